@@ -1,0 +1,132 @@
+//! Flat drawings: what is cut or engraved, with a role, a kerf side and a piece name on every path.
+
+use crate::geom::{Motion, Path, Rect};
+
+/// What a path is for. Decides its colour, its SVG class and when the machine makes it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Role {
+    /// The whole contour of a piece; cut last.
+    Outline,
+    /// The open cut that frees a flap, hinged at its root.
+    Flap,
+    /// The cut that a flap goes through.
+    Slit,
+    /// A closed inner cut whose waste falls out.
+    Hole,
+    /// An engraved line: fold marks, splice lines.
+    Mark,
+    /// Engraved lettering.
+    Label,
+}
+
+/// When and how a role is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Operation {
+    /// Marks on the surface, made first.
+    Engrave,
+    /// Cuts inside a piece, made while the sheet still holds it.
+    CutInner,
+    /// Contours that free the piece, made last.
+    CutOutline,
+}
+
+/// Which side of the nominal line is waste, seen from the piece.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum KerfSide {
+    /// Waste outside a closed contour: the tool runs outside by half the kerf.
+    Outside,
+    /// Waste inside a closed contour (a hole): the tool runs inside by half the kerf.
+    Inside,
+    /// Waste on the left of an open cut, seen along its direction.
+    Left,
+    /// Waste on the right of an open cut, seen along its direction.
+    Right,
+    /// A single line, no offset: slits, marks, lettering.
+    On,
+}
+
+/// One curve of a drawing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnPath {
+    /// The nominal curve, before kerf.
+    pub path: Path,
+    /// What it is for.
+    pub role: Role,
+    /// Where the waste is.
+    pub kerf: KerfSide,
+    /// The joint it belongs to ("A7"), for flaps and slits and their labels.
+    pub joint: Option<String>,
+}
+
+/// All curves of one piece, in the strip frame (s right, w up, mm) until it is placed on a sheet.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Drawing {
+    /// Name of the piece ("A1"), unique in the object.
+    pub name: String,
+    /// Curves in drawing order.
+    pub paths: Vec<DrawnPath>,
+}
+
+impl Role {
+    /// The SVG class and DXF vocabulary word.
+    pub fn class(self) -> &'static str {
+        match self {
+            Role::Outline => "outline",
+            Role::Flap => "flap",
+            Role::Slit => "slit",
+            Role::Hole => "hole",
+            Role::Mark => "mark",
+            Role::Label => "label",
+        }
+    }
+
+    /// When this role is made.
+    pub fn operation(self) -> Operation {
+        match self {
+            Role::Outline => Operation::CutOutline,
+            Role::Flap | Role::Slit | Role::Hole => Operation::CutInner,
+            Role::Mark | Role::Label => Operation::Engrave,
+        }
+    }
+}
+
+impl Operation {
+    /// All operations in the order a sheet is made.
+    pub const ALL: [Operation; 3] = [Operation::Engrave, Operation::CutInner, Operation::CutOutline];
+
+    /// The SVG group id and DXF layer.
+    pub fn id(self) -> &'static str {
+        match self {
+            Operation::Engrave => "engrave",
+            Operation::CutInner => "cut-inner",
+            Operation::CutOutline => "cut-outline",
+        }
+    }
+
+    /// Stroke colour, exact because cutters' programs choose the layer by it.
+    pub fn colour(self) -> &'static str {
+        match self {
+            Operation::Engrave => "#000000",
+            Operation::CutInner => "#0000FF",
+            Operation::CutOutline => "#FF0000",
+        }
+    }
+}
+
+impl Drawing {
+    /// The smallest box around everything drawn.
+    pub fn bounds(&self) -> Rect {
+        self.paths.iter().fold(Rect::EMPTY, |rect, p| rect.union(p.path.bounds()))
+    }
+
+    /// The piece's contour, if it has one.
+    pub fn outline(&self) -> Option<&Path> {
+        self.paths.iter().find(|p| p.role == Role::Outline).map(|p| &p.path)
+    }
+
+    /// The drawing after a turn and a shift.
+    pub fn moved(&self, motion: &Motion) -> Drawing {
+        let paths = self.paths.iter().map(|p| DrawnPath { path: p.path.moved(motion), ..p.clone() }).collect();
+        Drawing { name: self.name.clone(), paths }
+    }
+}

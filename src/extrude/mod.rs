@@ -1,0 +1,1 @@
+//! How wide the strip is at each node: the mesh seen along the plane's normal.

@@ -1,0 +1,11 @@
+//! Furbelow turns a 3D shape into a soft, light, cuttable object.
+
+#![warn(missing_docs)]
+
+pub mod cut;
+pub mod drawing;
+pub mod geom;
+pub mod mesh;
+pub mod nest;
+pub mod progress;
+pub mod ruffle;

@@ -1,0 +1,105 @@
+//! What must hold for a ruffle after every change of its topology.
+
+use super::Ruffle;
+
+/// A broken rule, naming the place.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Flaw {
+    /// The walk and the rest lengths do not match.
+    #[error("the strip visits {nodes} nodes over {segments} segments; it must visit one more than it has segments")]
+    WalkLength {
+        /// Positions of the walk.
+        nodes: usize,
+        /// Rest lengths.
+        segments: usize,
+    },
+    /// A node id beyond the node count.
+    #[error("position {position} of the strip names node {node}, but there are {count}")]
+    NoSuchNode {
+        /// Position in the walk.
+        position: usize,
+        /// The id found.
+        node: u32,
+        /// Number of nodes.
+        count: usize,
+    },
+    /// A node that the strip never visits.
+    #[error("node {node} is not on the strip")]
+    Orphan {
+        /// The node.
+        node: usize,
+    },
+    /// A segment without length or from a node to itself.
+    #[error("segment {segment} has length {length_mm} mm and joins nodes {from} and {to}")]
+    BadSegment {
+        /// Segment index.
+        segment: usize,
+        /// Its rest length.
+        length_mm: f64,
+        /// Start node.
+        from: usize,
+        /// End node.
+        to: usize,
+    },
+    /// Sections that leave a gap or overlap.
+    #[error("section {section} starts at segment {found}, expected {expected}")]
+    SectionGap {
+        /// Section index.
+        section: usize,
+        /// Where it starts.
+        found: usize,
+        /// Where it should.
+        expected: usize,
+    },
+    /// A connection in the middle of a section.
+    #[error("the strip meets itself at position {position}, inside section {section}; connections lie between sections")]
+    ConnectionInside {
+        /// Section index.
+        section: usize,
+        /// Position in the walk.
+        position: usize,
+    },
+}
+
+impl Ruffle {
+    /// Checks every rule and reports the first that is broken.
+    pub fn check(&self) -> Result<(), Flaw> {
+        let segments = self.rest_lengths.len();
+        if self.walk.len() != segments + 1 {
+            return Err(Flaw::WalkLength { nodes: self.walk.len(), segments });
+        }
+        let mut visits = vec![0u32; self.node_count];
+        for (position, node) in self.walk.iter().enumerate() {
+            *visits.get_mut(node.index()).ok_or(Flaw::NoSuchNode {
+                position,
+                node: node.0,
+                count: self.node_count,
+            })? += 1;
+        }
+        if let Some(node) = visits.iter().position(|v| *v == 0) {
+            return Err(Flaw::Orphan { node });
+        }
+        for (segment, length_mm) in self.rest_lengths.iter().copied().enumerate() {
+            let (from, to) = self.ends(segment);
+            if !(length_mm > 0.0 && length_mm.is_finite()) || from == to {
+                return Err(Flaw::BadSegment { segment, length_mm, from, to });
+            }
+        }
+        let mut expected = 0;
+        for (section, s) in self.sections.iter().enumerate() {
+            if s.first_segment != expected || s.end_segment <= s.first_segment {
+                return Err(Flaw::SectionGap { section, found: s.first_segment, expected });
+            }
+            expected = s.end_segment;
+            if let Some(position) =
+                (s.first_segment + 1..s.end_segment).find(|k| visits[self.walk[*k].index()] > 1)
+            {
+                return Err(Flaw::ConnectionInside { section, position });
+            }
+        }
+        if expected != segments {
+            return Err(Flaw::SectionGap { section: self.sections.len(), found: segments, expected });
+        }
+        Ok(())
+    }
+}
