@@ -129,8 +129,7 @@ mod tests {
         let p = |x, y| P2::new(x, y);
         let open = [(p(0.0, 0.0), p(10.0, 0.0)), (p(10.0, 0.0), p(10.0, 10.0))];
         assert_eq!(coverage(&open, &[&target]).enclosed, 0.0);
-        let crossed =
-            [(p(-1.0, 0.0), p(11.0, 0.0)), (p(10.0, -1.0), p(10.0, 11.0)), (p(11.0, 11.0), p(-1.0, -1.0))];
+        let crossed = [(p(-1.0, 0.0), p(11.0, 0.0)), (p(10.0, -1.0), p(10.0, 11.0)), (p(11.0, 11.0), p(-1.0, -1.0))];
         assert!((coverage(&crossed, &[&target]).enclosed - 50.0).abs() < 1e-5);
     }
 

@@ -41,10 +41,8 @@ pub struct Rect {
 
 impl Rect {
     /// A box that holds nothing.
-    pub const EMPTY: Rect = Rect {
-        min: P2::new(f64::INFINITY, f64::INFINITY),
-        max: P2::new(f64::NEG_INFINITY, f64::NEG_INFINITY),
-    };
+    pub const EMPTY: Rect =
+        Rect { min: P2::new(f64::INFINITY, f64::INFINITY), max: P2::new(f64::NEG_INFINITY, f64::NEG_INFINITY) };
 
     /// The box from (0, 0) to (`width`, `height`).
     pub fn from_size(width: f64, height: f64) -> Rect {

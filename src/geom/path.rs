@@ -199,11 +199,8 @@ impl Path {
         let n = self.vertices.len();
         let vertices = (0..n)
             .map(|k| {
-                let (i, into_i) = if self.closed {
-                    ((n - k) % n, (2 * n - k - 1) % n)
-                } else {
-                    (n - 1 - k, (2 * n - k - 2) % n)
-                };
+                let (i, into_i) =
+                    if self.closed { ((n - k) % n, (2 * n - k - 1) % n) } else { (n - 1 - k, (2 * n - k - 2) % n) };
                 PathVertex { point: self.vertices[i].point, bulge: -self.vertices[into_i].bulge }
             })
             .collect();
@@ -222,8 +219,7 @@ impl Path {
 
     /// The curve after a turn and a shift.
     pub fn moved(&self, motion: &Motion) -> Path {
-        let vertices =
-            self.vertices.iter().map(|v| PathVertex { point: motion * v.point, bulge: v.bulge }).collect();
+        let vertices = self.vertices.iter().map(|v| PathVertex { point: motion * v.point, bulge: v.bulge }).collect();
         Path { vertices, closed: self.closed }
     }
 

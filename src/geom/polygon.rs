@@ -42,6 +42,11 @@ pub fn distance_to_loop(points: &[P2], p: P2) -> f64 {
 
 /// True when the open segments `a b` and `c d` pass through each other: touching ends and shared lines do not count.
 pub fn segments_cross(a: P2, b: P2, c: P2, d: P2) -> bool {
+    let (low, high) = (a.inf(&b).sup(&c.inf(&d)), a.sup(&b).inf(&c.sup(&d)));
+    // Boxes first: on one common line, far apart, the signs below are round-off.
+    if low.x > high.x || low.y > high.y {
+        return false;
+    }
     let side = |p: P2, q: P2, r: P2| cross(q - p, r - p);
     let (s1, s2) = (side(a, b, c), side(a, b, d));
     let (s3, s4) = (side(c, d, a), side(c, d, b));
@@ -99,6 +104,8 @@ mod tests {
         assert!(segments_cross(p(0.0, 0.0), p(2.0, 2.0), p(0.0, 2.0), p(2.0, 0.0)));
         assert!(!segments_cross(p(0.0, 0.0), p(2.0, 2.0), p(2.0, 2.0), p(3.0, 0.0)));
         assert!(!segments_cross(p(0.0, 0.0), p(2.0, 0.0), p(1.0, 0.0), p(1.0, 1.0)));
+        let line = |t: f64| p(0.3 * t, 0.1 * t);
+        assert!(!segments_cross(line(1.1), line(2.3), line(7.7), line(9.1)));
     }
 
     #[test]

@@ -52,7 +52,9 @@ pub enum Flaw {
         expected: usize,
     },
     /// A connection in the middle of a section.
-    #[error("the strip meets itself at position {position}, inside section {section}; connections lie between sections")]
+    #[error(
+        "the strip meets itself at position {position}, inside section {section}; connections lie between sections"
+    )]
     ConnectionInside {
         /// Section index.
         section: usize,
@@ -91,9 +93,7 @@ impl Ruffle {
                 return Err(Flaw::SectionGap { section, found: s.first_segment, expected });
             }
             expected = s.end_segment;
-            if let Some(position) =
-                (s.first_segment + 1..s.end_segment).find(|k| visits[self.walk[*k].index()] > 1)
-            {
+            if let Some(position) = (s.first_segment + 1..s.end_segment).find(|k| visits[self.walk[*k].index()] > 1) {
                 return Err(Flaw::ConnectionInside { section, position });
             }
         }

@@ -4,10 +4,10 @@
 //! before (or ends on one), the strip touches itself there, and that node is a connection point.
 
 mod check;
-
+mod stack;
 
 pub use check::Flaw;
-
+pub use stack::{Drawn, StackError, StackSettings, draw_stack};
 
 use serde::{Deserialize, Serialize};
 
@@ -135,12 +135,8 @@ impl Ruffle {
         for (k, node) in self.walk.iter().enumerate() {
             passes[node.index()].push(k);
         }
-        let mut met: Vec<(Node, Vec<usize>)> = passes
-            .into_iter()
-            .enumerate()
-            .filter(|(_, p)| p.len() > 1)
-            .map(|(i, p)| (Node(i as u32), p))
-            .collect();
+        let mut met: Vec<(Node, Vec<usize>)> =
+            passes.into_iter().enumerate().filter(|(_, p)| p.len() > 1).map(|(i, p)| (Node(i as u32), p)).collect();
         met.sort_by_key(|(_, p)| p[0]);
         met.into_iter()
             .enumerate()
