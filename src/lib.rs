@@ -9,3 +9,4 @@ pub mod mesh;
 pub mod nest;
 pub mod progress;
 pub mod ruffle;
+pub mod sim;

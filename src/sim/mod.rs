@@ -1,1 +1,73 @@
-//! .
+//! What a folded strip does under its own weight: positions of static equilibrium in physical units.
+//!
+//! The strip is a chain of segments (discrete shells reduced to a plane curve, paper section 4.1): bending at every node, stretch in every
+//! segment, the tangency of connection points as bending between the sheets that meet, gravity, and a floor. Newton's method finds the
+//! minimum of the energy; every term has an exact gradient and Hessian.
+
+mod crossings;
+mod hinge;
+mod ldl;
+mod model;
+mod newton;
+mod stretch;
+
+pub use crossings::count_crossings;
+pub use ldl::{Factorisation, LdlT, Pattern};
+pub use newton::{Error, Settings, Solver, Supports};
+
+use crate::geom::P2;
+use serde::Serialize;
+
+/// A sheet as the solver sees it, in the direction the strip runs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Material {
+    /// Bending stiffness per width, N mm.
+    pub flexural_rigidity_n_mm: f64,
+    /// Stretching stiffness per width (Young's modulus times thickness), N/mm.
+    pub membrane_stiffness_n_per_mm: f64,
+    /// Mass per area, g/m².
+    pub grammage_g_per_m2: f64,
+    /// Sheet thickness, mm.
+    pub thickness_mm: f64,
+}
+
+/// Standard gravity, mm/s² (ISO 80000-3 gives 9.80665 m/s²).
+pub const GRAVITY_MM_PER_S2: f64 = 9806.65;
+
+impl Material {
+    /// Weight per area, N/mm²: g/m² is 1e-9 kg per mm² per thousandth, and N is kg m/s².
+    pub fn weight_n_per_mm2(&self) -> f64 {
+        self.grammage_g_per_m2 * 1e-9 * GRAVITY_MM_PER_S2 * 1e-3
+    }
+}
+
+/// How a solve ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Outcome {
+    /// Forces balance to the tolerance.
+    Converged,
+    /// The observer asked to stop; positions are the best so far.
+    Stopped,
+    /// No further descent, or the iteration limit; positions are the best so far.
+    Failed,
+}
+
+/// Where a strip came to rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equilibrium {
+    /// Position of every node, plane frame, mm.
+    pub positions: Vec<P2>,
+    /// How the solve ended.
+    pub outcome: Outcome,
+    /// Newton steps taken.
+    pub iterations: usize,
+    /// Largest unbalanced force component on a free node, N.
+    pub residual_n: f64,
+    /// Total energy, N mm.
+    pub energy_n_mm: f64,
+    /// Largest relative change of a segment's length.
+    pub max_strain: f64,
+    /// Pairs of segments that pass through each other.
+    pub self_intersections: usize,
+}

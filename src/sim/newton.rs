@@ -1,0 +1,375 @@
+//! Newton's method with a floor.
+
+use super::model::Model;
+use super::{Equilibrium, Factorisation, LdlT, Material, Outcome, count_crossings};
+use crate::geom::P2;
+use crate::progress::{Observer, Progress};
+use crate::ruffle::{Node, Ruffle};
+
+/// Accuracy and limits of a solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Unbalanced force at which a solve has converged, N. A millionth of a newton is a thousandth of the weight of one node of a paper strip.
+    pub residual_n: f64,
+    /// Newton steps after which it gives up.
+    pub max_iterations: usize,
+    /// Farthest a node may move in one step, mm: beyond it the quadratic model means nothing.
+    pub max_step_mm: f64,
+    /// Height of the floor, plane frame, mm; minus infinity for none.
+    pub floor_mm: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings { residual_n: 1e-6, max_iterations: 400, max_step_mm: 20.0, floor_mm: 0.0 }
+    }
+}
+
+/// What holds the ruffle, besides the floor.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Supports {
+    /// Nodes that do not move at all.
+    pub pinned: Vec<Node>,
+    /// Nodes that move up and down only.
+    pub upright: Vec<Node>,
+}
+
+/// Why a solve could not start.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// An array does not match the ruffle.
+    #[error("{what}: {found} values for {expected} nodes")]
+    Count {
+        /// Which array.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// Nodes of the ruffle.
+        expected: usize,
+    },
+    /// A width, length or stiffness that is not a positive number.
+    #[error("{what} {index} is {value}; it must be a positive number")]
+    NotPositive {
+        /// Which quantity.
+        what: &'static str,
+        /// Which one.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A start position that is not a number.
+    #[error("start position of node {node} is not finite")]
+    NotFinite {
+        /// The node.
+        node: usize,
+    },
+    /// The ordering of unknowns failed.
+    #[error("could not order {unknowns} unknowns: {status}")]
+    Ordering {
+        /// Number of unknowns.
+        unknowns: usize,
+        /// What the ordering said.
+        status: String,
+    },
+}
+
+/// Finds the equilibrium of one ruffle, again and again as its lengths and widths change.
+#[derive(Debug, Clone)]
+pub struct Solver {
+    model: Model,
+    factorisation: LdlT,
+    material: Material,
+    settings: Settings,
+    /// Unknowns that never move.
+    held: Vec<bool>,
+    scratch: Scratch,
+}
+
+#[derive(Debug, Clone)]
+struct Scratch {
+    gradient: Vec<f64>,
+    direction: Vec<f64>,
+    hessian: Vec<f64>,
+    fixed: Vec<bool>,
+    trial: Vec<P2>,
+}
+
+/// Sufficient decrease of a step (Armijo 1966).
+const ARMIJO: f64 = 1e-4;
+/// Halvings of a step before descent is called exhausted.
+const MAX_HALVINGS: usize = 40;
+/// Energies closer than this fraction are equal to within the rounding of their sums.
+const ENERGY_ROUNDING: f64 = 1e-13;
+
+impl Solver {
+    /// Prepares to solve `ruffle` with the strip `widths_mm` wide at each node.
+    pub fn new(
+        ruffle: &Ruffle,
+        widths_mm: &[f64],
+        material: &Material,
+        supports: &Supports,
+        settings: &Settings,
+    ) -> Result<Solver, Error> {
+        let (model, pattern) = Model::new(ruffle)?;
+        let unknowns = pattern.unknowns();
+        let mut held = vec![false; unknowns];
+        for node in &supports.pinned {
+            held[2 * node.index()] = true;
+            held[2 * node.index() + 1] = true;
+        }
+        for node in &supports.upright {
+            held[2 * node.index()] = true;
+        }
+        let scratch = Scratch {
+            gradient: vec![0.0; unknowns],
+            direction: vec![0.0; unknowns],
+            hessian: vec![0.0; pattern.slots()],
+            fixed: vec![false; unknowns],
+            trial: vec![P2::origin(); ruffle.node_count],
+        };
+        let factorisation = LdlT::new(pattern);
+        let mut solver = Solver { model, factorisation, material: *material, settings: *settings, held, scratch };
+        solver.measure(ruffle, widths_mm)?;
+        Ok(solver)
+    }
+
+    /// Takes the ruffle's current rest lengths, and the strip's width at each node. The topology must be the one the solver was made for.
+    pub fn measure(&mut self, ruffle: &Ruffle, widths_mm: &[f64]) -> Result<(), Error> {
+        let expected = self.scratch.trial.len();
+        if widths_mm.len() != expected {
+            return Err(Error::Count { what: "strip widths", found: widths_mm.len(), expected });
+        }
+        for (what, values) in [("strip width", widths_mm), ("rest length", &ruffle.rest_lengths)] {
+            if let Some(index) = values.iter().position(|v| !(*v > 0.0 && v.is_finite())) {
+                return Err(Error::NotPositive { what, index, value: values[index] });
+            }
+        }
+        self.model.measure(&ruffle.rest_lengths, widths_mm, &self.material);
+        Ok(())
+    }
+
+    /// Descends from `start` (plane frame, mm, one position per node) to rest. Held nodes stay where `start` has them.
+    pub fn solve(&mut self, start: &[P2], observer: &mut dyn Observer) -> Result<Equilibrium, Error> {
+        if start.len() != self.scratch.trial.len() {
+            let expected = self.scratch.trial.len();
+            return Err(Error::Count { what: "start positions", found: start.len(), expected });
+        }
+        if let Some(node) = start.iter().position(|p| !(p.x.is_finite() && p.y.is_finite())) {
+            return Err(Error::NotFinite { node });
+        }
+        let floor = self.settings.floor_mm;
+        let mut x: Vec<P2> = start.iter().map(|p| P2::new(p.x, p.y.max(floor))).collect();
+        let mut energy = self.model.energy(&x);
+        let mut iterations = 0;
+        let outcome = loop {
+            let residual = self.balance(&x);
+            if residual <= self.settings.residual_n {
+                break Outcome::Converged;
+            }
+            if iterations >= self.settings.max_iterations {
+                break Outcome::Failed;
+            }
+            let progress = Progress {
+                stage: "folding",
+                done: iterations as u64,
+                total: 0,
+                note: format!("unbalanced force {residual:.1e} N"),
+            };
+            if observer.step(progress).is_break() {
+                break Outcome::Stopped;
+            }
+            iterations += 1;
+            match self.descend(&mut x, energy, residual) {
+                Some(lower) => energy = lower,
+                None => break Outcome::Failed,
+            }
+        };
+        Ok(Equilibrium {
+            outcome,
+            iterations,
+            residual_n: self.balance(&x),
+            energy_n_mm: energy,
+            max_strain: self.model.max_strain(&x),
+            self_intersections: count_crossings(self.model.segments(), &x),
+            positions: x,
+        })
+    }
+
+    /// Works out the gradient and which unknowns are fixed at `x`; returns the largest unbalanced force component, N. A node that lies on the
+    /// floor and is pressed onto it is balanced by the floor.
+    fn balance(&mut self, x: &[P2]) -> f64 {
+        let Scratch { gradient, fixed, .. } = &mut self.scratch;
+        self.model.gradient(x, gradient);
+        let mut residual = 0.0_f64;
+        for (unknown, g) in gradient.iter().enumerate() {
+            let on_floor = unknown % 2 == 1 && x[unknown / 2].y <= self.settings.floor_mm && *g > 0.0;
+            fixed[unknown] = self.held[unknown] || on_floor;
+            if !fixed[unknown] {
+                residual = residual.max(g.abs());
+            }
+        }
+        residual
+    }
+
+    /// One projected Newton step (two-metric projection, Bertsekas 1982, doi:10.1137/0320018): exact Hessian where it is positive definite, its convex part
+    /// elsewhere. Returns the lower energy, or nothing when no step descends.
+    fn descend(&mut self, x: &mut Vec<P2>, energy: f64, residual: f64) -> Option<f64> {
+        for convex in [false, true] {
+            if !self.newton_direction(x, convex) {
+                continue;
+            }
+            if let Some(lower) = self.search(x, energy, residual) {
+                return Some(lower);
+            }
+        }
+        None
+    }
+
+    fn newton_direction(&mut self, x: &[P2], convex: bool) -> bool {
+        let Scratch { gradient, direction, hessian, fixed, .. } = &mut self.scratch;
+        self.model.hessian(x, convex, hessian);
+        self.factorisation.pattern().fix(hessian, fixed);
+        if !self.factorisation.factor(hessian) {
+            return false;
+        }
+        for (unknown, d) in direction.iter_mut().enumerate() {
+            *d = if fixed[unknown] { 0.0 } else { -gradient[unknown] };
+        }
+        self.factorisation.solve(direction);
+        let farthest = direction.chunks_exact(2).map(|d| d[0].hypot(d[1])).fold(0.0, f64::max);
+        if farthest > self.settings.max_step_mm {
+            let scale = self.settings.max_step_mm / farthest;
+            direction.iter_mut().for_each(|d| *d *= scale);
+        }
+        farthest.is_finite()
+    }
+
+    fn search(&mut self, x: &mut Vec<P2>, energy: f64, residual: f64) -> Option<f64> {
+        let floor = self.settings.floor_mm;
+        let rounding = ENERGY_ROUNDING * energy.abs();
+        let mut t = 1.0;
+        for _ in 0..MAX_HALVINGS {
+            let Scratch { gradient, direction, trial, .. } = &mut self.scratch;
+            let mut decrease = 0.0;
+            for (i, to) in trial.iter_mut().enumerate() {
+                let (dx, dy) = (t * direction[2 * i], t * direction[2 * i + 1]);
+                *to = P2::new(x[i].x + dx, (x[i].y + dy).max(floor));
+                decrease -= gradient[2 * i] * (to.x - x[i].x) + gradient[2 * i + 1] * (to.y - x[i].y);
+            }
+            let lower = self.model.energy(trial);
+            if lower <= energy - ARMIJO * decrease && lower < energy {
+                std::mem::swap(x, trial);
+                return Some(lower);
+            }
+            // Close to rest the energy no longer resolves the step, but the force still does.
+            if decrease.abs() <= rounding && lower <= energy + rounding {
+                let trial = self.scratch.trial.clone();
+                if self.balance(&trial) < residual {
+                    *x = trial;
+                    return Some(lower);
+                }
+                self.balance(x);
+            }
+            t *= 0.5;
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Quiet;
+    use crate::ruffle::{Role, Section};
+
+    /// A straight strip of `n` segments behind a clamp: a first segment without length to speak of, both its nodes pinned, which gives the hinge at the
+    /// clamp half a cell.
+    fn cantilever(n: usize, length_mm: f64) -> (Ruffle, Vec<P2>, Supports) {
+        let h = length_mm / n as f64;
+        let clamp = 1e-6 * h;
+        let mut rest_lengths = vec![clamp];
+        rest_lengths.extend(std::iter::repeat_n(h, n));
+        let walk: Vec<Node> = (0..n as u32 + 2).map(Node).collect();
+        let positions: Vec<P2> =
+            std::iter::once(-clamp).chain((0..=n).map(|i| i as f64 * h)).map(|x| P2::new(x, 0.0)).collect();
+        let sections = vec![Section { role: Role::Outer, first_segment: 0, end_segment: n + 1 }];
+        let ruffle = Ruffle { node_count: n + 2, walk, rest_lengths, sections, foot: [Node(0), Node(1)] };
+        (ruffle, positions, Supports { pinned: vec![Node(0), Node(1)], upright: Vec::new() })
+    }
+
+    fn paper(flexural_rigidity_n_mm: f64) -> Material {
+        Material {
+            flexural_rigidity_n_mm,
+            membrane_stiffness_n_per_mm: 600.0,
+            grammage_g_per_m2: 160.0,
+            thickness_mm: 0.19,
+        }
+    }
+
+    fn sagged(n: usize, load: f64) -> (f64, f64, Equilibrium) {
+        let length: f64 = 100.0;
+        let q = paper(1.0).weight_n_per_mm2();
+        let material = paper(q * length.powi(3) / load);
+        let (ruffle, start, supports) = cantilever(n, length);
+        let settings = Settings { floor_mm: f64::NEG_INFINITY, ..Settings::default() };
+        let mut solver = Solver::new(&ruffle, &vec![40.0; n + 2], &material, &supports, &settings).unwrap();
+        let e = solver.solve(&start, &mut Quiet).unwrap();
+        let tip = e.positions[n + 1];
+        (-tip.y / length, tip.x / length, e)
+    }
+
+    #[test]
+    fn a_heavy_cantilever_hangs_as_the_elastica_does() {
+        // th'' = -b (1 - s) cos th, b = q L^3 / EI: drop / L and reach / L of its numerical solution.
+        for (b, drop, reach) in [(1.0, 0.123471, 0.991246), (4.0, 0.425159, 0.890111), (8.0, 0.640631, 0.724425)] {
+            let (d, r, e) = sagged(80, b);
+            assert_eq!(e.outcome, Outcome::Converged, "b = {b}: {e:?}");
+            assert!((d - drop).abs() < 1.5e-3 && (r - reach).abs() < 2e-3, "b = {b}: {d} {r}");
+        }
+    }
+
+    #[test]
+    fn the_error_falls_with_the_square_of_the_segment() {
+        let error = |n| (sagged(n, 8.0).0 - 0.640631_f64).abs();
+        let ratio = error(20) / error(40);
+        assert!((3.0..5.5).contains(&ratio), "ratio {ratio}");
+    }
+
+    #[test]
+    fn nothing_passes_through_the_floor_and_the_force_still_balances() {
+        let (ruffle, mut start, supports) = cantilever(60, 150.0);
+        start.iter_mut().for_each(|p| p.y = 20.0);
+        let mut solver = Solver::new(&ruffle, &vec![40.0; 62], &paper(0.3), &supports, &Settings::default()).unwrap();
+        let e = solver.solve(&start, &mut Quiet).unwrap();
+        assert_eq!(e.outcome, Outcome::Converged, "{e:?}");
+        assert!(e.positions.iter().all(|p| p.y >= 0.0));
+        assert!(e.positions.iter().filter(|p| p.y == 0.0).count() > 5);
+        assert!(e.residual_n <= 1e-6 && e.max_strain < 1e-3);
+    }
+
+    #[test]
+    fn bad_input_is_refused_by_name() {
+        let (ruffle, start, supports) = cantilever(5, 50.0);
+        let solver = |widths: &[f64]| Solver::new(&ruffle, widths, &paper(1.0), &supports, &Settings::default());
+        assert!(matches!(solver(&[1.0; 3]), Err(Error::Count { .. })));
+        assert!(matches!(solver(&[0.0; 7]), Err(Error::NotPositive { .. })));
+        let mut broken = start;
+        broken[3].x = f64::NAN;
+        let refused = solver(&[10.0; 7]).unwrap().solve(&broken, &mut Quiet);
+        assert_eq!(refused, Err(Error::NotFinite { node: 3 }));
+    }
+
+    #[test]
+    fn an_observer_can_stop_a_solve() {
+        struct Stop;
+        impl Observer for Stop {
+            fn step(&mut self, _: Progress) -> std::ops::ControlFlow<()> {
+                std::ops::ControlFlow::Break(())
+            }
+        }
+        let (ruffle, mut start, supports) = cantilever(20, 100.0);
+        start.iter_mut().for_each(|p| p.y = 20.0);
+        let mut solver = Solver::new(&ruffle, &[40.0; 22], &paper(1.0), &supports, &Settings::default()).unwrap();
+        assert_eq!(solver.solve(&start, &mut Stop).unwrap().outcome, Outcome::Stopped);
+    }
+}
