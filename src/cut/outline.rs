@@ -13,7 +13,7 @@ pub struct Outline {
 
 impl Outline {
     /// Outer loop first, then the holes.
-    pub fn loops(&self) -> impl Iterator<Item = &Vec<P2>> {
+    pub fn loops(&self) -> impl Iterator<Item = &Vec<P2>> + Clone {
         std::iter::once(&self.outer).chain(&self.holes)
     }
 

@@ -1,16 +1,26 @@
-//! Exact areas of what a strip encloses, by a constrained triangulation flooded from outside.
+//! The exact region that segments enclose, and how well it fills a target.
 
 use super::{P2, cross, signed_area};
+use spade::handles::{FixedFaceHandle, PossiblyOuterTag};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-/// How well a set of segments fills a target region; all areas in the square of the input's unit.
+/// The region a set of segments encloses: everything that cannot be reached from far away without crossing one.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Enclosed {
+    /// Rooms of the region, parted by segments, each as counter-clockwise triangles that tile it.
+    pub rooms: Vec<Vec<[P2; 3]>>,
+    /// Border loops of the region: outer borders counter-clockwise, the borders of holes clockwise.
+    pub loops: Vec<Vec<P2>>,
+}
+
+/// How well a region fills a target; all areas in the square of the input's unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coverage {
     /// Area of the target.
     pub target: f64,
-    /// Area the segments enclose: everything that cannot be reached from far away without crossing one.
+    /// Area of the region.
     pub enclosed: f64,
-    /// Enclosed area inside the target.
+    /// Area they share.
     pub covered: f64,
 }
 
@@ -20,9 +30,22 @@ impl Coverage {
         (self.target - self.covered) / self.target
     }
 
-    /// Enclosed area outside the target over target area.
+    /// Region area outside the target over target area.
     pub fn protruding_fraction(&self) -> f64 {
         (self.enclosed - self.covered) / self.target
+    }
+}
+
+impl Enclosed {
+    /// Compares the region with the target bounded by `target` loops (outer counter-clockwise, holes clockwise).
+    pub fn coverage<'a>(&self, target: impl Iterator<Item = &'a Vec<P2>> + Clone) -> Coverage {
+        let area = |triangle: &[P2; 3]| target.clone().map(|l| signed_area(&clip(l, triangle))).sum::<f64>();
+        let triangles = || self.rooms.iter().flatten();
+        Coverage {
+            target: target.clone().map(|l| signed_area(l)).sum(),
+            enclosed: triangles().map(|t| signed_area(t)).sum(),
+            covered: triangles().map(area).sum(),
+        }
     }
 }
 
@@ -30,21 +53,12 @@ impl Coverage {
 /// making slivers below the round-off of an intersection, and spade's smallest allowed coordinate is far away.
 const GRID: f64 = 1.0 / 1_048_576.0;
 
-/// Areas enclosed by `segments`, and how much of them lies in the region bounded by `loops` (outer loop counter-clockwise, holes
-/// clockwise). Segments may cross, touch, repeat or have no length; segments with a coordinate that is not finite are passed over.
-pub fn coverage(segments: &[(P2, P2)], loops: &[&[P2]]) -> Coverage {
-    let target = loops.iter().map(|l| signed_area(l)).sum();
-    let mut result = Coverage { target, enclosed: 0.0, covered: 0.0 };
-    for triangle in enclosed_triangles(segments) {
-        result.enclosed += signed_area(&triangle);
-        result.covered += loops.iter().map(|l| signed_area(&clip(l, &triangle))).sum::<f64>();
-    }
-    result
-}
+type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
-/// Counter-clockwise triangles that tile the region `segments` enclose.
-fn enclosed_triangles(segments: &[(P2, P2)]) -> Vec<[P2; 3]> {
-    let mut cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
+/// The exact region `segments` enclose, by a constrained Delaunay triangulation flooded from outside. Segments may cross, touch, repeat or have no
+/// length; segments with a coordinate that is not finite are passed over.
+pub fn enclosed(segments: &[(P2, P2)]) -> Enclosed {
+    let mut cdt = Cdt::new();
     let snap = |p: P2| Point2::new((p.x / GRID).round() * GRID, (p.y / GRID).round() * GRID);
     for (a, b) in segments {
         let ends = (cdt.insert(snap(*a)), cdt.insert(snap(*b)));
@@ -55,27 +69,66 @@ fn enclosed_triangles(segments: &[(P2, P2)]) -> Vec<[P2; 3]> {
         }
     }
 
-    let mut outside = vec![false; cdt.num_all_faces()];
-    let mut frontier = vec![cdt.outer_face().fix()];
-    outside[frontier[0].index()] = true;
+    let mut room_of: Vec<Option<usize>> = vec![None; cdt.num_all_faces()];
+    flood(&cdt, cdt.outer_face().fix(), OUTSIDE, &mut room_of);
+    let mut rooms: Vec<Vec<[P2; 3]>> = Vec::new();
+    for face in cdt.inner_faces() {
+        if room_of[face.fix().index()].is_none() {
+            flood(&cdt, face.adjacent_edge().face().fix(), rooms.len(), &mut room_of);
+            rooms.push(Vec::new());
+        }
+        if let Some(room) = room_of[face.fix().index()].filter(|room| *room != OUTSIDE) {
+            rooms[room].push(face.positions().map(|p| P2::new(p.x, p.y)));
+        }
+    }
+    Enclosed { rooms, loops: border_loops(&cdt, &room_of) }
+}
+
+/// Room number of everything that is not enclosed.
+const OUTSIDE: usize = usize::MAX;
+
+/// Gives `room` to every face that can be reached from `start` without crossing a segment.
+fn flood(cdt: &Cdt, start: FixedFaceHandle<PossiblyOuterTag>, room: usize, room_of: &mut [Option<usize>]) {
+    room_of[start.index()] = Some(room);
+    let mut frontier = vec![start];
     while let Some(face) = frontier.pop() {
         let border: Vec<_> = match cdt.face(face).as_inner() {
             Some(inner) => inner.adjacent_edges().to_vec(),
             None => cdt.convex_hull().collect(),
         };
         for edge in border {
-            // The hull's edges already lie on the outer face; an inner face's edges have it on their left.
             let across = edge.rev().face().fix();
-            if !edge.is_constraint_edge() && !outside[across.index()] {
-                outside[across.index()] = true;
+            if !edge.is_constraint_edge() && room_of[across.index()].is_none() {
+                room_of[across.index()] = Some(room);
                 frontier.push(across);
             }
         }
     }
-    cdt.inner_faces()
-        .filter(|face| !outside[face.fix().index()])
-        .map(|face| face.positions().map(|p| P2::new(p.x, p.y)))
-        .collect()
+}
+
+/// Walks the borders between enclosed faces (on the left) and the outside.
+fn border_loops(cdt: &Cdt, room_of: &[Option<usize>]) -> Vec<Vec<P2>> {
+    let outside = |face: FixedFaceHandle<PossiblyOuterTag>| room_of[face.index()] == Some(OUTSIDE);
+    let mut walked = vec![false; cdt.num_directed_edges()];
+    let mut loops = Vec::new();
+    for start in cdt.directed_edges() {
+        let mut edge = start;
+        let mut points = Vec::new();
+        let on_border = !outside(edge.face().fix()) && outside(edge.rev().face().fix());
+        while on_border && !walked[edge.fix().index()] {
+            walked[edge.fix().index()] = true;
+            points.push(P2::new(edge.from().position().x, edge.from().position().y));
+            edge = edge.next();
+            // Turn about the corner through enclosed faces until the outside shows again.
+            while !outside(edge.rev().face().fix()) {
+                edge = edge.rev().next();
+            }
+        }
+        if !points.is_empty() {
+            loops.push(points);
+        }
+    }
+    loops
 }
 
 /// The part of `polygon` inside a counter-clockwise convex `clipper` (Sutherland and Hodgman 1974, doi:10.1145/360767.360802). A concave
@@ -118,19 +171,20 @@ mod tests {
     #[test]
     fn a_shifted_square_covers_the_overlap_and_protrudes_by_the_rest() {
         let target = square(0.0, 0.0, 10.0);
-        let c = coverage(&edges(&square(5.0, 0.0, 10.0)), &[&target]);
+        let c = enclosed(&edges(&square(5.0, 0.0, 10.0))).coverage([target].iter());
         assert!((c.uncovered_fraction() - 0.5).abs() < 1e-6);
         assert!((c.protruding_fraction() - 0.5).abs() < 1e-6);
     }
 
     #[test]
     fn an_open_strip_encloses_nothing_and_a_crossing_closes_it() {
-        let target = square(0.0, 0.0, 10.0);
         let p = |x, y| P2::new(x, y);
         let open = [(p(0.0, 0.0), p(10.0, 0.0)), (p(10.0, 0.0), p(10.0, 10.0))];
-        assert_eq!(coverage(&open, &[&target]).enclosed, 0.0);
+        assert_eq!(enclosed(&open), Enclosed::default());
         let crossed = [(p(-1.0, 0.0), p(11.0, 0.0)), (p(10.0, -1.0), p(10.0, 11.0)), (p(11.0, 11.0), p(-1.0, -1.0))];
-        assert!((coverage(&crossed, &[&target]).enclosed - 50.0).abs() < 1e-5);
+        let region = enclosed(&crossed);
+        assert_eq!((region.rooms.len(), region.loops.len()), (1, 1));
+        assert!((signed_area(&region.loops[0]) - 50.0).abs() < 1e-5);
     }
 
     #[test]
@@ -139,7 +193,9 @@ mod tests {
         let mut strip = edges(&outer);
         strip.extend(edges(&hole));
         hole.reverse();
-        let c = coverage(&strip, &[&outer, &hole]);
+        let region = enclosed(&strip);
+        assert_eq!((region.rooms.len(), region.loops.len()), (2, 1));
+        let c = region.coverage([outer, hole].iter());
         assert!((c.enclosed - 100.0).abs() < 1e-5);
         assert!((c.target - 96.0).abs() < 1e-9);
         assert!((c.protruding_fraction() - 4.0 / 96.0).abs() < 1e-6);
@@ -152,7 +208,10 @@ mod tests {
         ) {
             let points: Vec<P2> = walk.iter().map(|(x, y)| P2::new(*x, *y)).collect();
             let strip: Vec<(P2, P2)> = points.windows(2).map(|w| (w[0], w[1])).collect();
-            let c = coverage(&strip, &[&square(-10.0, -10.0, 20.0)]);
+            let region = enclosed(&strip);
+            let c = region.coverage([square(-10.0, -10.0, 20.0)].iter());
+            let bordered: f64 = region.loops.iter().map(|l| signed_area(l)).sum();
+            prop_assert!((bordered - c.enclosed).abs() < 1e-6, "{bordered} {}", c.enclosed);
             prop_assert!(c.covered >= -1e-6 && c.covered <= c.target + 1e-4 && c.covered <= c.enclosed + 1e-4);
         }
     }

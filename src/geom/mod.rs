@@ -8,7 +8,7 @@ mod path;
 mod polygon;
 pub mod tolerance;
 
-pub use arrangement::{Coverage, coverage};
+pub use arrangement::{Coverage, Enclosed, enclosed};
 pub use path::{Path, PathVertex, Segment};
 pub use polygon::{
     closest_on_segment, contains, convex_hull, distance_to_loop, distance_to_segment, segments_cross, signed_area,

@@ -89,6 +89,13 @@ impl Pattern {
         }
     }
 
+    /// Adds `by` to every diagonal entry.
+    pub fn damp(&self, values: &mut [f64], by: f64) {
+        for end in &self.starts[1..] {
+            values[end - 1] += by;
+        }
+    }
+
     fn permute(&self, from: &[f64], to: &mut [f64]) {
         for (i, p) in self.place.iter().enumerate() {
             to[*p] = from[i];

@@ -145,6 +145,11 @@ impl Model {
         }
     }
 
+    /// Weight of the whole strip, N.
+    pub fn weight_n(&self) -> f64 {
+        self.weight_n.iter().sum()
+    }
+
     /// Largest relative change of a segment's length.
     pub fn max_strain(&self, x: &[P2]) -> f64 {
         self.segments
@@ -283,7 +288,7 @@ mod tests {
         model.measure(&drawn.ruffle.rest_lengths, &vec![80.0; drawn.ruffle.node_count], &paper());
         let area_m2 = drawn.ruffle.strip_length() * 80.0 * 1e-6;
         let expected = area_m2 * 0.160 * 9.80665;
-        let total: f64 = model.weight_n.iter().sum();
+        let total = model.weight_n();
         assert!((total / expected - 1.0).abs() < 1e-12, "{total} N against {expected} N");
     }
 }

@@ -96,6 +96,9 @@ struct Scratch {
 
 /// Sufficient decrease of a step (Armijo 1966).
 const ARMIJO: f64 = 1e-4;
+/// A node pressed down this close to the floor, mm, lies on it, and the next step puts it there exactly: left a hair above, it would cut every step
+/// short, and its force would be counted as unbalanced.
+const FLOOR_REACH_MM: f64 = 1e-6;
 /// Halvings of a step before descent is called exhausted.
 const MAX_HALVINGS: usize = 40;
 /// Energies closer than this fraction are equal to within the rounding of their sums.
@@ -202,7 +205,7 @@ impl Solver {
         self.model.gradient(x, gradient);
         let mut residual = 0.0_f64;
         for (unknown, g) in gradient.iter().enumerate() {
-            let on_floor = unknown % 2 == 1 && x[unknown / 2].y <= self.settings.floor_mm && *g > 0.0;
+            let on_floor = unknown % 2 == 1 && x[unknown / 2].y <= self.settings.floor_mm + FLOOR_REACH_MM && *g > 0.0;
             fixed[unknown] = self.held[unknown] || on_floor;
             if !fixed[unknown] {
                 residual = residual.max(g.abs());
@@ -212,10 +215,11 @@ impl Solver {
     }
 
     /// One projected Newton step (two-metric projection, Bertsekas 1982, doi:10.1137/0320018): exact Hessian where it is positive definite, its convex part
-    /// elsewhere. Returns the lower energy, or nothing when no step descends.
+    /// elsewhere, damped as a last resort: a strip that touches nothing falls freely, and its Hessian is singular. Returns the lower energy, or nothing when no step descends.
     fn descend(&mut self, x: &mut Vec<P2>, energy: f64, residual: f64) -> Option<f64> {
-        for convex in [false, true] {
-            if !self.newton_direction(x, convex) {
+        let fall_n_per_mm = self.model.weight_n() / self.settings.max_step_mm;
+        for (convex, damping) in [(false, 0.0), (true, 0.0), (true, fall_n_per_mm)] {
+            if !self.newton_direction(x, convex, damping) {
                 continue;
             }
             if let Some(lower) = self.search(x, energy, residual) {
@@ -225,9 +229,10 @@ impl Solver {
         None
     }
 
-    fn newton_direction(&mut self, x: &[P2], convex: bool) -> bool {
+    fn newton_direction(&mut self, x: &[P2], convex: bool, damping_n_per_mm: f64) -> bool {
         let Scratch { gradient, direction, hessian, fixed, .. } = &mut self.scratch;
         self.model.hessian(x, convex, hessian);
+        self.factorisation.pattern().damp(hessian, damping_n_per_mm);
         self.factorisation.pattern().fix(hessian, fixed);
         if !self.factorisation.factor(hessian) {
             return false;
@@ -249,11 +254,12 @@ impl Solver {
         let rounding = ENERGY_ROUNDING * energy.abs();
         let mut t = 1.0;
         for _ in 0..MAX_HALVINGS {
-            let Scratch { gradient, direction, trial, .. } = &mut self.scratch;
+            let Scratch { gradient, direction, fixed, trial, .. } = &mut self.scratch;
             let mut decrease = 0.0;
             for (i, to) in trial.iter_mut().enumerate() {
                 let (dx, dy) = (t * direction[2 * i], t * direction[2 * i + 1]);
-                *to = P2::new(x[i].x + dx, (x[i].y + dy).max(floor));
+                let lies_on_floor = fixed[2 * i + 1] && !self.held[2 * i + 1];
+                *to = P2::new(x[i].x + dx, if lies_on_floor { floor } else { (x[i].y + dy).max(floor) });
                 decrease -= gradient[2 * i] * (to.x - x[i].x) + gradient[2 * i + 1] * (to.y - x[i].y);
             }
             let lower = self.model.energy(trial);
