@@ -1,4 +1,20 @@
-//! Flat drawings: what is cut or engraved, with a role, a kerf side and a piece name on every path.
+//! Flat drawings: what is cut or engraved, with a role, a kerf side and a piece name on every path. Reads and writes our SVG, writes
+//! DXF, and letters with single strokes.
+
+mod dxf;
+mod error;
+mod glyphs;
+mod lettering;
+mod path_data;
+mod svg;
+mod svg_read;
+
+pub use dxf::dxf;
+pub use error::Error;
+pub use lettering::{text_paths, text_width};
+pub use path_data::{path_data, svg_number};
+pub use svg::{piece_svg, sheet_svg};
+pub use svg_read::read_svg;
 
 use crate::geom::{Motion, Path, Rect};
 
@@ -68,6 +84,9 @@ pub struct Drawing {
 }
 
 impl Role {
+    /// All roles.
+    pub const ALL: [Role; 6] = [Role::Outline, Role::Flap, Role::Slit, Role::Hole, Role::Mark, Role::Label];
+
     /// The SVG class and DXF vocabulary word.
     pub fn class(self) -> &'static str {
         match self {
@@ -86,6 +105,31 @@ impl Role {
             Role::Outline => Operation::CutOutline,
             Role::Flap | Role::Slit | Role::Hole => Operation::CutInner,
             Role::Mark | Role::Label => Operation::Engrave,
+        }
+    }
+
+    /// The kerf side a path of this role has unless its maker says otherwise.
+    pub fn usual_kerf(self) -> KerfSide {
+        match self {
+            Role::Outline => KerfSide::Outside,
+            Role::Hole => KerfSide::Inside,
+            Role::Flap | Role::Slit | Role::Mark | Role::Label => KerfSide::On,
+        }
+    }
+}
+
+impl KerfSide {
+    /// All sides.
+    pub const ALL: [KerfSide; 5] = [KerfSide::Outside, KerfSide::Inside, KerfSide::Left, KerfSide::Right, KerfSide::On];
+
+    /// The word in SVG's `data-kerf`. Left and right are those of the sheet (y up), the way people see it.
+    pub fn word(self) -> &'static str {
+        match self {
+            KerfSide::Outside => "outside",
+            KerfSide::Inside => "inside",
+            KerfSide::Left => "left",
+            KerfSide::Right => "right",
+            KerfSide::On => "on",
         }
     }
 }
