@@ -4,6 +4,7 @@
 //! circular arcs, because those are what a G-code controller, DXF and SVG all draw exactly.
 
 mod arrangement;
+mod fillet;
 mod path;
 mod polygon;
 pub mod tolerance;

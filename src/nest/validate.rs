@@ -1,7 +1,7 @@
 //! Checks a finished result on the true polygons, knowing nothing of how it was made.
 
 use super::{Container, Error, Item, Layout, Layouts, Settings};
-use crate::geom::{P2, Rect, V2, coverage, distance_to_segment, tolerance};
+use crate::geom::{P2, Rect, V2, distance_to_segment, enclosed, tolerance};
 
 /// A placed polygon and the box around it.
 struct Placed<'a> {
@@ -126,7 +126,7 @@ fn common_area(a: &[P2], b: &[P2]) -> f64 {
     let shift: V2 = a[0].coords;
     let b: Vec<P2> = b.iter().map(|p| p - shift).collect();
     let segments: Vec<(P2, P2)> = edges(a).map(|(p, q)| (p - shift, q - shift)).collect();
-    coverage(&segments, &[&b]).covered.abs()
+    enclosed(&segments).coverage([b].iter()).covered.abs()
 }
 
 /// Smallest distance between the borders of two polygons that do not cross.
