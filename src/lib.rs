@@ -7,6 +7,7 @@ pub mod drawing;
 pub mod geom;
 pub mod mesh;
 pub mod nest;
+pub mod preview;
 pub mod progress;
 pub mod ruffle;
 pub mod sim;

@@ -5,8 +5,8 @@
 //!
 //! How the table reads: the grid's unit is an eighth of the cap height. A stroke is a run of points, two characters each: x, then y,
 //! as hexadecimal digits. y is 2 on the baseline, 8 at the top of small letters, a (ten) at the top of capitals, 0 at the bottom of
-//! descenders. A point is reached by a straight line, after `<` by a quarter circle to the left (counter-clockwise), after `>` by one
-//! to the right. A space lifts the pen.
+//! descenders. A point is reached by a straight line, after `<` by an arc of 90 degrees that turns left (counter-clockwise), after
+//! `>` by one that turns right. A space lifts the pen.
 
 /// Cap height in grid units.
 pub(super) const CAP_HEIGHT: f64 = 8.0;
@@ -37,8 +37,8 @@ const GLYPHS: &[(char, u8, &str)] = &[
     ('%', 6, "125a 19<08<17<28<19 54<43<52<63<54"),
     ('&', 5, "521819>2a>39380504<22<55"),
     ('\'', 0, "0a08"),
-    ('(', 2, "2b<0903<21"),
-    (')', 2, "0b>2923>01"),
+    ('(', 2, "2b<21"),
+    (')', 2, "0b>01"),
     ('*', 4, "2a26 0749 0947"),
     ('+', 4, "0646 2824"),
     (',', 1, "1301"),

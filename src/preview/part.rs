@@ -1,0 +1,242 @@
+//! The picture of one folded ruffle in its outline.
+
+use super::canvas::{Align, Canvas, Colour, Stroke, Text};
+use super::labels::Obstacles;
+use crate::cut::Outline;
+use crate::drawing::{svg_number, text_width};
+use crate::geom::{P2, Rect, V2};
+use crate::ruffle::{Role, Ruffle};
+
+/// What a part's picture shows; plane frame, mm, floor at v = 0.
+#[derive(Debug, Clone)]
+pub struct PartView<'a> {
+    /// Name of the part.
+    pub name: &'a str,
+    /// The region to fill.
+    pub outline: &'a Outline,
+    /// The strip's topology.
+    pub ruffle: &'a Ruffle,
+    /// Where every node is, one for each node of the ruffle.
+    pub positions: &'a [P2],
+    /// Joints: where, and the number people read.
+    pub joints: Vec<(P2, String)>,
+    /// Lines of text under the picture: how full, how long, how heavy.
+    pub caption: Vec<String>,
+}
+
+// Sizes in hundredths of the part's longer side, so that a cup and a stool look alike.
+const MARGIN: f64 = 7.0;
+const OUTER: f64 = 0.46;
+const INNER: f64 = 0.33;
+const HAIR: f64 = 0.2;
+const DOT: f64 = 0.75;
+const JOINT_TEXT: f64 = 2.5;
+const SMALLEST_TEXT: f64 = 1.2;
+const TITLE: f64 = 3.2;
+const CAPTION: f64 = 2.1;
+
+/// Draws the folded ruffle in its outline: the region pale blue, outer sections a little heavier than inner ones, densified sections in
+/// another colour, joints as dots with their numbers beside them, the floor, a scale bar and the caption. The canvas is in the plane
+/// frame and at true size.
+pub fn part_canvas(view: &PartView) -> Canvas {
+    let shown = view.outline.bounds().union(Rect::around(view.positions));
+    let shown = if shown.is_empty() { Rect::from_size(1.0, 1.0) } else { shown.with(P2::new(shown.min.x, 0.0)) };
+    let unit = 0.01 * shown.width().max(shown.height()).max(1e-3);
+    let picture = shown.grown(MARGIN * unit);
+    let foot = Foot::new(view, &picture, unit);
+    let mut canvas = Canvas::new(foot.area(&picture));
+
+    canvas.region(view.outline.loops(), Some(Colour::REGION), None);
+    let floor = [P2::new(picture.min.x + unit, 0.0), P2::new(picture.max.x - unit, 0.0)];
+    canvas.polyline(&floor, Stroke::new(Colour::GREY, HAIR * unit));
+    draw_strip(&mut canvas, view, unit);
+    draw_joints(&mut canvas, view, picture.grown(-unit), unit);
+    foot.draw(&mut canvas);
+    canvas
+}
+
+/// Draws inner sections first, so that the outer contour stays whole where they meet.
+fn draw_strip(canvas: &mut Canvas, view: &PartView, unit: f64) {
+    for (role, colour, width) in
+        [(Role::Inner, Colour::INK, INNER), (Role::Densified, Colour::DENSE, OUTER), (Role::Outer, Colour::INK, OUTER)]
+    {
+        for section in view.ruffle.sections.iter().filter(|s| s.role == role) {
+            let nodes = &view.ruffle.walk[section.first_segment..=section.end_segment];
+            let points: Vec<P2> = nodes.iter().map(|n| view.positions[n.index()]).collect();
+            canvas.polyline(&points, Stroke::new(colour, width * unit));
+        }
+    }
+}
+
+fn draw_joints(canvas: &mut Canvas, view: &PartView, area: Rect, unit: f64) {
+    let dots: Vec<P2> = view.joints.iter().map(|j| j.0).collect();
+    let lines: Vec<(P2, P2)> = view.ruffle.segments().map(|(i, j)| (view.positions[i], view.positions[j])).collect();
+    // Where joints crowd, dots and numbers shrink with the room between them.
+    let crowd = nearest_pair(&dots).unwrap_or(f64::INFINITY);
+    let height = (0.45 * crowd).clamp(SMALLEST_TEXT * unit, JOINT_TEXT * unit);
+    let dot_mm = DOT * unit * height / (JOINT_TEXT * unit);
+    for dot in &dots {
+        canvas.disc(*dot, dot_mm, Colour::RED, None);
+    }
+    let widths: Vec<f64> = view.joints.iter().map(|j| text_width(&j.1, height)).collect();
+    let obstacles = Obstacles { lines: &lines, dots: &dots, dot_mm, area };
+    let places = obstacles.place(&widths, height, 0.3 * height);
+    for ((_, text), place) in view.joints.iter().zip(places) {
+        let (at, colour) = (place.min, Colour::INK);
+        canvas.text(Text { at, align: Align::Left, height_mm: height, colour, text });
+    }
+}
+
+fn nearest_pair(points: &[P2]) -> Option<f64> {
+    let pairs = points.iter().enumerate().flat_map(|(i, a)| points[..i].iter().map(move |b| (a - b).norm()));
+    pairs.min_by(f64::total_cmp)
+}
+
+/// What stands under the picture: the name and its figures on the left, the scale bar on the right.
+struct Foot<'a> {
+    lines: Vec<Text<'a>>,
+    bar: [P2; 2],
+    bar_text: String,
+    unit: f64,
+}
+
+impl<'a> Foot<'a> {
+    fn new(view: &'a PartView, picture: &Rect, unit: f64) -> Foot<'a> {
+        let bar_mm = round_length(0.3 * picture.width());
+        let words = std::iter::once((view.name, TITLE, Colour::INK))
+            .chain(view.caption.iter().map(|line| (line.as_str(), CAPTION, Colour::GREY)));
+        let words: Vec<_> = words.filter(|(text, ..)| !text.is_empty()).collect();
+        // A narrow part gets a page wide enough for its caption and the bar side by side.
+        let caption_mm = words.iter().map(|(text, size, _)| text_width(text, size * unit)).fold(0.0, f64::max);
+        let gap = if words.is_empty() { 0.0 } else { 6.0 * unit };
+        let inside = (picture.width() - 2.0 * MARGIN * unit).max(caption_mm + gap + bar_mm);
+        let [left, right] = [-0.5, 0.5].map(|side| picture.center().x + side * inside);
+
+        let mut y = picture.min.y;
+        let mut lines = Vec::new();
+        for (text, size, colour) in words {
+            y -= size * unit;
+            lines.push(Text { at: P2::new(left, y), align: Align::Left, height_mm: size * unit, colour, text });
+            y -= 0.95 * CAPTION * unit;
+        }
+        let at = P2::new(right, picture.min.y - TITLE * unit);
+        Foot { lines, bar: [at - V2::new(bar_mm, 0.0), at], bar_text: format!("{} mm", svg_number(bar_mm)), unit }
+    }
+
+    /// The page: the picture and the foot with a margin around them.
+    fn area(&self, picture: &Rect) -> Rect {
+        let page = self.lines.iter().fold(*picture, |page, line| page.union(line.bounds()));
+        let page = page.with(self.bar[0]).with(self.bar[1]);
+        let side = MARGIN * self.unit;
+        let foot = self.lines.last().map_or(self.bar[0].y, |line| line.at.y).min(self.bar[0].y);
+        let (left, right) = (self.lines.first().map_or(self.bar[0].x, |l| l.at.x), self.bar[1].x);
+        page.with(P2::new(left - side, foot - 0.6 * side)).with(P2::new(right + side, foot))
+    }
+
+    fn draw(self, canvas: &mut Canvas) {
+        let unit = self.unit;
+        for line in &self.lines {
+            canvas.text(*line);
+        }
+        let [a, b] = self.bar;
+        let tick = V2::new(0.0, 0.8 * unit);
+        canvas.polyline(&[a + tick, a, b, b + tick], Stroke::new(Colour::GREY, 1.5 * HAIR * unit));
+        let at = nalgebra::center(&a, &b) + V2::new(0.0, 1.2 * unit);
+        let (height_mm, colour) = (0.9 * CAPTION * unit, Colour::GREY);
+        canvas.text(Text { at, align: Align::Middle, height_mm, colour, text: &self.bar_text });
+    }
+}
+
+/// The largest of 1, 2, 5, 10, 20, 50, ... mm that is no longer than `limit_mm`.
+fn round_length(limit_mm: f64) -> f64 {
+    let decade = 10f64.powf(limit_mm.log10().floor());
+    [5.0, 2.0, 1.0].map(|step| step * decade).into_iter().find(|length| *length <= limit_mm).unwrap_or(decade)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ruffle::{Node, Section};
+    use tiny_skia::Pixmap;
+
+    /// A 60 x 40 mm box with a strip that runs along the floor, up the right side, back, and down the left side onto its start; the way
+    /// back is densified.
+    fn walk_around_a_box() -> (Outline, Ruffle, Vec<P2>) {
+        let p = |(x, y)| P2::new(x, y);
+        let corners = [(0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)].map(p).to_vec();
+        let positions = [(2.0, 2.0), (58.0, 2.0), (58.0, 30.0), (2.0, 30.0)].map(p).to_vec();
+        let section = |role, k| Section { role, first_segment: k, end_segment: k + 1 };
+        let ruffle = Ruffle {
+            node_count: 4,
+            walk: [0, 1, 2, 3, 0].map(Node).to_vec(),
+            rest_lengths: vec![56.0, 28.0, 56.0, 28.0],
+            sections: vec![
+                section(Role::Inner, 0),
+                section(Role::Outer, 1),
+                section(Role::Densified, 2),
+                section(Role::Outer, 3),
+            ],
+            foot: [Node(0), Node(1)],
+        };
+        (Outline { outer: corners, holes: Vec::new() }, ruffle, positions)
+    }
+
+    fn canvas(name: &str) -> Canvas {
+        let (outline, ruffle, positions) = walk_around_a_box();
+        let joints = vec![(positions[0], "1".to_owned())];
+        let caption = vec!["168 mm of strip".to_owned()];
+        part_canvas(&PartView { name, outline: &outline, ruffle: &ruffle, positions: &positions, joints, caption })
+    }
+
+    fn colour_at(canvas: &Canvas, pixmap: &Pixmap, at: (f64, f64)) -> Colour {
+        let scale = f64::from(pixmap.width()) / canvas.area.width();
+        let c = pixmap
+            .pixel(((at.0 - canvas.area.min.x) * scale) as u32, ((canvas.area.max.y - at.1) * scale) as u32)
+            .unwrap();
+        Colour(c.red(), c.green(), c.blue())
+    }
+
+    #[test]
+    fn the_png_shows_region_strip_densified_sections_and_joints_where_they_are() {
+        let canvas = canvas("seat");
+        let pixmap = Pixmap::decode_png(&canvas.to_png(2000).unwrap()).unwrap();
+        assert_eq!(pixmap.width().max(pixmap.height()), 2000);
+        let at = |x, y| colour_at(&canvas, &pixmap, (x, y));
+        assert_eq!(at(30.0, 15.0), Colour::REGION);
+        assert_eq!(at(30.0, 2.0), Colour::INK);
+        assert_eq!(at(58.0, 15.0), Colour::INK);
+        assert_eq!(at(30.0, 30.0), Colour::DENSE);
+        assert_eq!(at(2.0, 2.0), Colour::RED);
+        assert_eq!(at(30.0, 42.0), Colour::WHITE);
+    }
+
+    #[test]
+    fn outer_sections_are_heavier_than_inner_ones() {
+        let canvas = canvas("");
+        let widths = |colour: Colour| -> Vec<f64> {
+            let drawn = canvas.shapes.iter().filter(|s| s.fill.is_none() && s.paths[0].vertices.len() == 2);
+            drawn.filter_map(|s| s.stroke).filter(|s| s.colour == colour).map(|s| s.width_mm).collect()
+        };
+        let ink = widths(Colour::INK);
+        assert!(ink[0] < ink[1] && widths(Colour::DENSE).len() == 1, "{ink:?}");
+    }
+
+    #[test]
+    fn nothing_is_clipped_however_long_the_name() {
+        for name in ["a", "the left arm of a teddy bear that has a very long name indeed"] {
+            let canvas = canvas(name);
+            for shape in &canvas.shapes {
+                let air = shape.stroke.map_or(0.0, |s| 0.5 * s.width_mm);
+                let drawn = shape.paths.iter().fold(Rect::EMPTY, |r, p| r.union(p.bounds())).grown(air);
+                assert!(canvas.area.holds(&drawn, 0.0), "{drawn:?} in {:?}", canvas.area);
+            }
+        }
+    }
+
+    #[test]
+    fn the_scale_bar_is_a_round_length() {
+        for (limit, expected) in [(64.0, 50.0), (49.9, 20.0), (10.0, 10.0), (9.0, 5.0), (0.3, 0.2), (720.0, 500.0)] {
+            assert!((round_length(limit) - expected).abs() < 1e-9, "{limit}");
+        }
+    }
+}
