@@ -13,3 +13,4 @@ pub mod preview;
 pub mod progress;
 pub mod ruffle;
 pub mod sim;
+pub mod toolpath;
