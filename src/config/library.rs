@@ -13,7 +13,7 @@ use super::machine::Machine;
 use super::profile::Profile;
 use super::source::{Problem, Source, nearest};
 use super::tree::{Node, Value};
-use super::{machine_check, profile_check, read};
+use super::{machine_check, profile_check, read, schema};
 
 /// Names the folder that stands in for the platform's config folder.
 pub const FOLDER_VARIABLE: &str = "FURBELOW_CONFIG_DIR";
@@ -149,7 +149,7 @@ impl Library {
     fn interpret<T: Described>(&self, found: Found) -> Result<T, Error> {
         let named = found.named.clone();
         let root = self.resolve(T::KIND, found, &mut Vec::new())?;
-        let mut problems = Vec::new();
+        let mut problems = schema::missing_keys(T::KIND, &root);
         if let Some(value) = read::read::<T>(&root, &mut problems) {
             let mut checker = Checker::new(&root);
             value.check(&mut checker);
@@ -159,7 +159,10 @@ impl Library {
                 return Ok(value);
             }
         }
-        problems.sort_by(|a, b| (&a.file, a.line, a.column).cmp(&(&b.file, b.line, b.column)));
+        let key = |p: &Problem| (p.file.clone(), p.line, p.column, p.message.clone());
+        problems.sort_by_key(key);
+        // A missing key is found twice, by the schema and when the type is made.
+        problems.dedup();
         Err(Error::Invalid { problems })
     }
 

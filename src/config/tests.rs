@@ -155,6 +155,23 @@ fn the_name_inside_must_be_the_name_outside() {
 }
 
 #[test]
+fn all_missing_keys_are_told_at_the_table_they_belong_to() {
+    let text = "schema = 1\ninherits = 'paper-80'\nbread = 3\n[[process]]\ntool = 'pen'\npower = 'x'\n[[stock]]\nsize_mm = [1, 2]";
+    let found = problems(Library::built_in().profile_in("x.toml", text.into()).expect_err("incomplete"));
+    let told: Vec<_> = found.iter().map(|(_, line, _, message)| (*line, message.as_str())).collect();
+    let expected = [
+        (1, "`name` is missing"),
+        (3, "unknown key `bread`"),
+        (4, "`feed_mm_per_min` is missing"),
+        (4, "`operation` is missing"),
+        (4, "`source` is missing"),
+        (6, "the text \"x\" is not a number"),
+        (7, "`name` is missing"),
+    ];
+    assert_eq!(told, expected);
+}
+
+#[test]
 fn values_out_of_range_are_told_at_the_value() {
     for (line, by, column, words) in [
         ("thickness_mm", "thickness_mm = 0", 16, "above 0"),
