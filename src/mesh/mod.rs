@@ -1,16 +1,23 @@
 //! OBJ and STL bytes become a checked triangle mesh in mm.
 //!
-//! The mesh keeps the axes of its file; only the unit changes. [`TriMesh::up`] says which way is up.
+//! The mesh keeps the axes of its file; only the unit changes. [`TriMesh::up`] says which way is up. Steps, one file each: read (`obj`,
+//! `stl`), find the size (`size`), merge equal corners (`weld`), turn every triangle outward (`orient`), close small holes (`holes`).
+//! What cannot be mended is a warning as long as the mesh can still be cut, an [`Error`] otherwise.
 
-use crate::geom::{P3, V3};
+mod edges;
+mod error;
+mod holes;
+mod load;
+mod obj;
+mod orient;
+mod polygon;
+#[cfg(test)]
+pub(crate) mod samples;
+mod size;
+mod stl;
+mod trimesh;
+mod weld;
 
-/// A triangle mesh in mm: welded, oriented outward, with every index in range.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TriMesh {
-    /// Corner positions, mesh frame, mm.
-    pub vertices: Vec<P3>,
-    /// Corner indices, counter-clockwise seen from outside.
-    pub triangles: Vec<[u32; 3]>,
-    /// Unit vector that points up.
-    pub up: V3,
-}
+pub use error::Error;
+pub use load::{Format, Loaded, Settings, Up, load, parse};
+pub use trimesh::TriMesh;
