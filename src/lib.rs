@@ -6,6 +6,7 @@ pub mod cli;
 pub mod config;
 pub mod cut;
 pub mod drawing;
+pub mod extrude;
 pub mod geom;
 pub mod mesh;
 pub mod nest;

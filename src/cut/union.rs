@@ -206,7 +206,7 @@ mod tests {
         let found = regions(&[rectangle(0.0, 0.0, 4.0, 4.0), hole.clone()]);
         assert_eq!((found.len(), found[0].holes.len(), found[0].area()), (1, 1, 12.0));
         assert!(signed_area(&found[0].holes[0]) < 0.0);
-        assert_eq!(areas(&[hole.clone()]), [4.0]);
+        assert_eq!(areas(std::slice::from_ref(&hole)), [4.0]);
         assert_eq!(areas(&[rectangle(0.0, 0.0, 4.0, 4.0), hole, rectangle(1.5, 1.5, 1.0, 1.0)]), [12.0, 1.0]);
     }
 

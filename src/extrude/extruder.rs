@@ -1,0 +1,185 @@
+//! Spans for every node of a strip.
+
+use super::silhouette::Silhouette;
+use super::{Error, Span};
+use crate::cut::PlaneFrame;
+use crate::geom::P2;
+use crate::mesh::TriMesh;
+use crate::ruffle::Ruffle;
+
+/// What decides how wide the strip is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Extruder {
+    /// The same everywhere: designs without a mesh.
+    Constant(Span),
+    /// The mesh's thickness.
+    Mesh(Solid),
+}
+
+/// A mesh seen along a plane's normal, and the smallest width a strip may have.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solid {
+    silhouette: Silhouette,
+    min_width_mm: f64,
+}
+
+impl Extruder {
+    /// Spans as thick as `mesh` along the normal of `frame`, nowhere narrower than `min_width_mm` (what a joint needs).
+    ///
+    /// # Errors
+    /// A smallest width that is not above 0.
+    pub fn from_mesh(mesh: &TriMesh, frame: &PlaneFrame, min_width_mm: f64) -> Result<Extruder, Error> {
+        if !(min_width_mm > 0.0 && min_width_mm.is_finite()) {
+            return Err(Error::MinWidth { min_width_mm });
+        }
+        Ok(Extruder::Mesh(Solid { silhouette: Silhouette::new(mesh, frame), min_width_mm }))
+    }
+
+    /// The same span everywhere, mm along the normal.
+    ///
+    /// # Errors
+    /// Ends that are not finite or not in order.
+    pub fn constant(lo: f64, hi: f64) -> Result<Extruder, Error> {
+        if lo < hi && lo.is_finite() && hi.is_finite() {
+            Ok(Extruder::Constant(Span { lo, hi }))
+        } else {
+            Err(Error::Empty { lo, hi })
+        }
+    }
+
+    /// A span for each node; `positions` are the nodes' plane coordinates, mm.
+    ///
+    /// A node outside the mesh gets what lies between the nearest nodes along the strip that are inside, by distance along the strip, and
+    /// past the last such node what that one has. A round body gets thin toward its silhouette, just where outer sections lie: there the
+    /// smallest width takes over, about the middle of what is left. A strip that meets the mesh nowhere has the smallest width about the
+    /// plane. Nodes beyond the end of `positions` count as outside.
+    pub fn spans(&self, ruffle: &Ruffle, positions: &[P2]) -> Vec<Span> {
+        match self {
+            Extruder::Constant(span) => vec![*span; ruffle.node_count],
+            Extruder::Mesh(solid) => solid.spans(ruffle, positions),
+        }
+    }
+}
+
+impl Solid {
+    fn spans(&self, ruffle: &Ruffle, positions: &[P2]) -> Vec<Span> {
+        let mut seen: Vec<Option<Span>> =
+            (0..ruffle.node_count).map(|node| self.silhouette.span_at(*positions.get(node)?)).collect();
+        for (node, span) in bridged(ruffle, &seen) {
+            seen[node] = Some(span);
+        }
+        seen.into_iter().map(|span| span.unwrap_or(Span { lo: 0.0, hi: 0.0 }).at_least(self.min_width_mm)).collect()
+    }
+}
+
+/// For every node without a span, one interpolated along the strip; the mean over its passes where the strip meets itself.
+fn bridged(ruffle: &Ruffle, seen: &[Option<Span>]) -> Vec<(usize, Span)> {
+    let stations = ruffle.stations();
+    let known: Vec<(f64, Span)> =
+        stations.iter().enumerate().filter_map(|(k, s)| Some((*s, seen[ruffle.at(k)]?))).collect();
+    let (Some(first), Some(last)) = (known.first(), known.last()) else { return Vec::new() };
+    let mut sums: Vec<(Span, f64)> = vec![(Span { lo: 0.0, hi: 0.0 }, 0.0); ruffle.node_count];
+    for (k, s) in stations.iter().enumerate() {
+        let after = known.partition_point(|(station, _)| station <= s);
+        let span = match (after.checked_sub(1).map(|i| known[i]), known.get(after)) {
+            (Some((from, before)), Some((to, next))) => before.toward(*next, (s - from) / (to - from)),
+            (None, _) => first.1,
+            (_, None) => last.1,
+        };
+        let (sum, passes) = &mut sums[ruffle.at(k)];
+        (sum.lo, sum.hi, *passes) = (sum.lo + span.lo, sum.hi + span.hi, *passes + 1.0);
+    }
+    let missing = sums.into_iter().enumerate().filter(|(node, (_, passes))| seen[*node].is_none() && *passes > 0.0);
+    missing.map(|(node, (sum, passes))| (node, Span { lo: sum.lo / passes, hi: sum.hi / passes })).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cut::Plane;
+    use crate::geom::{P3, V3};
+    use crate::mesh::samples::{cuboid, sphere};
+    use crate::ruffle::{Node, Role, Section};
+
+    /// A strip over `walk` with one section; node ids up to the largest.
+    fn strip(walk: &[u32], rest_lengths: &[f64]) -> Ruffle {
+        let nodes = walk.iter().max().map_or(0, |n| n + 1);
+        Ruffle {
+            node_count: nodes as usize,
+            walk: walk.iter().copied().map(Node).collect(),
+            rest_lengths: rest_lengths.to_vec(),
+            sections: vec![Section { role: Role::Inner, first_segment: 0, end_segment: rest_lengths.len() }],
+            foot: [Node(0), Node(nodes - 1)],
+        }
+    }
+
+    fn seen(mesh: &TriMesh, min_width_mm: f64) -> Extruder {
+        let frame = PlaneFrame::new(&Plane { origin: P3::origin(), normal: V3::z() }, V3::y());
+        Extruder::from_mesh(mesh, &frame, min_width_mm).unwrap()
+    }
+
+    fn line(us: &[f64]) -> Vec<P2> {
+        us.iter().map(|u| P2::new(*u, 0.3)).collect()
+    }
+
+    #[test]
+    fn a_constant_extruder_ignores_positions() {
+        let ruffle = strip(&[0, 1, 2], &[1.0, 1.0]);
+        let spans = Extruder::constant(-20.0, 20.0).unwrap().spans(&ruffle, &line(&[0.0, 1.0, 900.0]));
+        assert_eq!(spans, [Span { lo: -20.0, hi: 20.0 }; 3]);
+        assert!(matches!(Extruder::constant(2.0, 2.0), Err(Error::Empty { .. })));
+        assert!(matches!(Extruder::constant(f64::NAN, 2.0), Err(Error::Empty { .. })));
+    }
+
+    #[test]
+    fn nodes_outside_are_interpolated_by_length_along_the_strip() {
+        // Two slabs side by side with a gap, 10 thick before and 30 thick after it.
+        let thin = cuboid(P3::new(0.0, -5.0, -5.0), V3::new(10.0, 10.0, 10.0));
+        let thick = cuboid(P3::new(20.0, -5.0, -5.0), V3::new(10.0, 10.0, 30.0));
+        let extruder = seen(&crate::mesh::samples::together(&[thin, thick]), 2.0);
+        let ruffle = strip(&[0, 1, 2, 3, 4], &[5.0, 1.0, 3.0, 8.0]);
+        let spans = extruder.spans(&ruffle, &line(&[-3.0, 9.0, 15.0, 21.0, 40.0]));
+        let his: Vec<f64> = spans.iter().map(|s| s.hi).collect();
+        assert_eq!(his, [5.0, 5.0, 10.0, 25.0, 25.0]);
+        assert!(spans.iter().all(|s| s.lo == -5.0));
+    }
+
+    #[test]
+    fn a_connection_point_outside_takes_the_mean_of_its_passes() {
+        let thin = cuboid(P3::new(0.0, -5.0, -5.0), V3::new(10.0, 10.0, 10.0));
+        let thick = cuboid(P3::new(20.0, -5.0, -5.0), V3::new(10.0, 10.0, 30.0));
+        let extruder = seen(&crate::mesh::samples::together(&[thin, thick]), 2.0);
+        // First passed between the slabs half way (15), then again at the end, past the thick one (25).
+        let ruffle = strip(&[0, 1, 2, 1], &[1.0, 1.0, 1.0]);
+        let spans = extruder.spans(&ruffle, &line(&[5.0, 15.0, 25.0]));
+        assert_eq!(spans[1], Span { lo: -5.0, hi: 20.0 });
+    }
+
+    #[test]
+    fn a_ball_thins_to_the_smallest_width_at_its_silhouette_without_a_jump() {
+        let extruder = seen(&sphere(P3::origin(), 50.0, 64), 12.0);
+        let us: Vec<f64> = (0..=220).map(|i| f64::from(i) * 0.25).collect();
+        let walk: Vec<u32> = (0..us.len() as u32).collect();
+        let spans = extruder.spans(&strip(&walk, &vec![0.25; us.len() - 1]), &line(&us));
+        assert!((spans[0].width() - 100.0).abs() < 0.2);
+        for pair in spans.windows(2) {
+            assert!(pair[1].width() <= pair[0].width() + 1e-9 && pair[0].width() - pair[1].width() < 5.0);
+        }
+        assert!((spans[220].width() - 12.0).abs() < 1e-9 && spans[220].middle().abs() < 0.1);
+    }
+
+    #[test]
+    fn a_strip_that_misses_has_the_smallest_width_about_the_plane() {
+        let extruder = seen(&cuboid(P3::origin(), V3::repeat(10.0)), 8.0);
+        let spans = extruder.spans(&strip(&[0, 1], &[1.0]), &line(&[-50.0, -40.0]));
+        assert_eq!(spans, [Span { lo: -4.0, hi: 4.0 }; 2]);
+        assert!(matches!(
+            Extruder::from_mesh(
+                &cuboid(P3::origin(), V3::repeat(1.0)),
+                &PlaneFrame::new(&Plane { origin: P3::origin(), normal: V3::z() }, V3::y()),
+                0.0
+            ),
+            Err(Error::MinWidth { .. })
+        ));
+    }
+}
