@@ -4,7 +4,7 @@
 //! trusted but measured: every point of the moved path must lie half a kerf from the nominal curve, and every point of the nominal curve must
 //! be within reach of the moved path.
 
-use super::{Error, curve};
+use super::{Error, curve, mitre};
 use crate::drawing::{DrawnPath, KerfSide};
 use crate::geom::{P2, Path, PathVertex, Segment, V2, tolerance};
 use cavalier_contours::polyline::{PlineOffsetOptions, PlineSource, PlineSourceMut, Polyline};
@@ -61,7 +61,7 @@ pub(super) fn compensate(drawn: &DrawnPath, piece: &str, kerf_mm: f64) -> Result
     let mut moved = offset(&nominal, to_left_mm);
     let parts = moved.len();
     let path = match moved.pop() {
-        Some(path) if parts == 1 && path.closed == nominal.closed => path,
+        Some(path) if parts == 1 && path.closed == nominal.closed => mitre::sharpen(path),
         _ => return Err(Error::Split { piece: piece.to_string(), role, parts, kerf_mm }),
     };
     let deviation_mm = deviation(&nominal, &path, 0.5 * kerf_mm);

@@ -8,11 +8,12 @@ mod curve;
 mod error;
 mod kerf;
 mod limits;
+mod mitre;
 mod order;
 mod settings;
 
 pub use error::Error;
-pub use settings::{Process, Settings};
+pub use settings::{Air, Process, Settings};
 
 use crate::drawing::{Drawing, Operation, Role};
 use crate::geom::{P2, Path, Rect};
@@ -34,8 +35,8 @@ pub struct Contour {
     pub feed_mm_per_min: f64,
     /// Power, 0..1.
     pub power: f64,
-    /// Whether air assist is on.
-    pub air: bool,
+    /// Air assist.
+    pub air: Air,
 }
 
 /// Everything the tool does on one sheet, in order.
@@ -127,7 +128,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn settings() -> Settings {
-        let process = |feed_mm_per_min, power| Process { feed_mm_per_min, power, air: false, passes: 1 };
+        let process = |feed_mm_per_min, power| Process { feed_mm_per_min, power, air: Air::Off, passes: 1 };
         Settings {
             kerf_mm: 0.15,
             engrave: process(3000.0, 0.1),

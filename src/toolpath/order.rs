@@ -111,6 +111,7 @@ pub(super) fn repeat(contours: Vec<Contour>, passes: Passes) -> Vec<Contour> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Air;
     use super::*;
     use crate::drawing::Role;
     use crate::geom::Path;
@@ -118,7 +119,7 @@ mod tests {
     fn contour(path: Path, role: Role) -> Contour {
         let operation = role.operation();
         let piece = "A1".to_string();
-        Contour { path, operation, role, piece, joint: None, feed_mm_per_min: 900.0, power: 0.5, air: false }
+        Contour { path, operation, role, piece, joint: None, feed_mm_per_min: 900.0, power: 0.5, air: Air::Off }
     }
 
     fn stroke(from: (f64, f64), to: (f64, f64)) -> Contour {

@@ -4,6 +4,17 @@ use super::Error;
 use crate::drawing::Operation;
 use crate::geom::{P2, Rect};
 
+/// How hard air assist blows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Air {
+    /// Not at all.
+    Off,
+    /// Enough to keep smoke off the lens.
+    Low,
+    /// Enough to clear a deep cut.
+    High,
+}
+
 /// How one operation is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Process {
@@ -11,8 +22,8 @@ pub struct Process {
     pub feed_mm_per_min: f64,
     /// Power as a fraction of the machine's full power, 0..=1.
     pub power: f64,
-    /// Whether air assist runs.
-    pub air: bool,
+    /// Air assist.
+    pub air: Air,
     /// Runs along each contour, at least 1. Open paths are run there and back.
     pub passes: u32,
 }
