@@ -7,6 +7,7 @@ pub mod config;
 pub mod cut;
 pub mod drawing;
 pub mod extrude;
+pub mod gcode;
 pub mod geom;
 pub mod mesh;
 pub mod nest;

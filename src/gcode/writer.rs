@@ -1,0 +1,121 @@
+//! Writes lines and remembers what they leave in effect, so that words are written only when they change.
+
+use super::arcs::{Piece, pieces, rounded};
+use super::emit::Dialect;
+use super::program::{Line, Word, round3};
+use crate::geom::P2;
+use crate::toolpath::{Air, Contour};
+
+/// Lines written so far and the modal state they leave; `None` is unknown to the reader of the file.
+pub(super) struct Writer {
+    dialect: Dialect,
+    pub(super) lines: Vec<Line>,
+    at: Option<P2>,
+    motion: Option<f64>,
+    power_s: f64,
+    feed: Option<f64>,
+    /// M word of the air that is on.
+    air: Option<u8>,
+    /// Whether air was ever switched on.
+    pub(super) air_used: bool,
+}
+
+impl Writer {
+    /// Nothing written; position, motion and feed unknown.
+    pub(super) fn new(dialect: Dialect) -> Writer {
+        Writer {
+            dialect,
+            lines: Vec::new(),
+            at: None,
+            motion: None,
+            power_s: 0.0,
+            feed: None,
+            air: None,
+            air_used: false,
+        }
+    }
+
+    pub(super) fn comment(&mut self, text: &str) {
+        self.lines.push(Line::comment(text));
+    }
+
+    pub(super) fn words(&mut self, words: &[(char, f64)]) {
+        self.lines.push(Line::of(words.iter().map(|(letter, value)| Word::new(*letter, *value))));
+    }
+
+    /// Travels to a contour with the beam off and runs along it.
+    pub(super) fn run(&mut self, contour: &Contour) {
+        let power_s = contour.power * self.dialect.max_s;
+        let start = rounded(contour.path.vertices[0].point);
+        if self.at != Some(start) {
+            self.power_s = 0.0;
+            self.moved(0.0, start, &[], Some(0.0), None);
+        }
+        self.blow(contour.air);
+        let mut at = start;
+        for segment in contour.path.segments() {
+            for piece in pieces(&segment, at) {
+                let (g, to, centre) = match piece {
+                    Piece::Line { to } => (1.0, to, Vec::new()),
+                    Piece::Arc { to, offset, clockwise } => {
+                        let centre = [('I', offset.x), ('J', offset.y)].into_iter().filter(|w| w.1 != 0.0).collect();
+                        (if clockwise { 2.0 } else { 3.0 }, to, centre)
+                    }
+                };
+                let s = round3(power_s);
+                let new_s = (std::mem::replace(&mut self.power_s, s) != s).then_some(s);
+                self.moved(g, to, &centre, new_s, Some(round3(contour.feed_mm_per_min)));
+                at = to;
+            }
+        }
+    }
+
+    /// A motion line with the words that change; arcs always name an end.
+    fn moved(&mut self, g: f64, to: P2, centre: &[(char, f64)], s: Option<f64>, f: Option<f64>) {
+        let mut words = Vec::with_capacity(7);
+        if self.motion.replace(g) != Some(g) {
+            words.push(('G', g));
+        }
+        let before = self.at.replace(to);
+        let changed = |axis: fn(P2) -> f64| before.is_none_or(|b| axis(b) != axis(to));
+        if changed(|p| p.x) {
+            words.push(('X', to.x));
+        }
+        if changed(|p| p.y) {
+            words.push(('Y', to.y));
+        }
+        words.extend(centre);
+        words.extend(s.map(|s| ('S', s)));
+        if let Some(f) = f
+            && self.feed.replace(f) != Some(f)
+        {
+            words.push(('F', f));
+        }
+        self.words(&words);
+    }
+
+    /// Switches the air. That stops the machine, so the beam is put out first: under M3 it would burn where it stands.
+    fn blow(&mut self, air: Air) {
+        let code = self.dialect.air.and_then(|words| match air {
+            Air::Off => None,
+            Air::Low => Some(words.low),
+            Air::High => Some(words.high),
+        });
+        if self.air == code {
+            return;
+        }
+        if self.power_s != 0.0 {
+            self.power_s = 0.0;
+            self.words(&[('S', 0.0)]);
+        }
+        // M7 and M8 add up in GRBL: from one to the other goes through M9.
+        if self.air.is_some() {
+            self.words(&[('M', 9.0)]);
+        }
+        if let Some(code) = code {
+            self.words(&[('M', f64::from(code))]);
+            self.air_used = true;
+        }
+        self.air = code;
+    }
+}
