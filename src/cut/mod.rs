@@ -1,7 +1,7 @@
 //! A plane through a mesh gives the outline that a ruffle has to fill.
 //!
 //! [`default_plane`] proposes a plane. [`cut`] intersects (`section`), closes what an open mesh leaves open (`close`), unites loops that
-//! overlap (`union`, on what `snap` makes of them), thins the result out (`simplify`) and puts it into a frame with the floor at v = 0.
+//! overlap (`union`), thins the result out (`simplify`) and puts it into a frame with the floor at v = 0.
 
 mod close;
 mod error;
@@ -11,7 +11,6 @@ mod principal;
 mod section;
 mod simplify;
 mod slice;
-mod snap;
 mod union;
 
 pub use error::Error;

@@ -4,8 +4,7 @@
 //! (some loop winds round it) or outside; the borders between the two kinds are walked. (spade could split crossing constraints itself,
 //! but panics on some of them.)
 
-use super::snap::snap_round;
-use crate::geom::{P2, cross, signed_area};
+use crate::geom::{P2, cross, signed_area, snap_round};
 use spade::handles::{DirectedEdgeHandle, FixedFaceHandle, InnerTag};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 

@@ -7,6 +7,7 @@ mod arrangement;
 mod fillet;
 mod path;
 mod polygon;
+mod snap;
 pub mod tolerance;
 
 pub use arrangement::{Coverage, Enclosed, enclosed};
@@ -14,6 +15,7 @@ pub use path::{Path, PathVertex, Segment};
 pub use polygon::{
     closest_on_segment, contains, convex_hull, distance_to_loop, distance_to_segment, segments_cross, signed_area,
 };
+pub use snap::snap_round;
 
 /// A position in a plane.
 pub type P2 = nalgebra::Point2<f64>;

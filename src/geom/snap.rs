@@ -3,7 +3,7 @@
 //! Snap rounding (Hobby 1999, doi:10.1016/S0925-7721(99)00021-8) in whole numbers of grid steps, so that every test is exact: a cell of
 //! the grid that holds an end or a crossing is hot, and every segment through a hot cell is led through the cell's middle.
 
-use crate::geom::{P2, Rect};
+use super::{P2, Rect};
 
 /// The grid's step (2^-20, about 1e-6): below anything a machine can do. Coarser by powers of two for coordinates above 2^20 mm, a km.
 const GRID_MM: f64 = 1.0 / 1_048_576.0;
@@ -33,7 +33,7 @@ impl Cell {
 
 /// For each segment the points it is led through, on the grid, such that no two of the pieces cross or touch other than in common ends;
 /// pieces may coincide. No piece strays from its segment by more than a grid step.
-pub(super) fn snap_round(segments: &[(P2, P2)]) -> Vec<Vec<P2>> {
+pub fn snap_round(segments: &[(P2, P2)]) -> Vec<Vec<P2>> {
     let reach = segments.iter().flat_map(|(a, b)| [a.coords.amax(), b.coords.amax()]).fold(0.0, f64::max);
     let mut grid = GRID_MM;
     while reach / grid > MAX_STEPS {
