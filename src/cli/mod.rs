@@ -5,6 +5,7 @@
 
 mod completions;
 mod machine;
+mod make;
 mod output;
 mod profile;
 
@@ -25,6 +26,8 @@ pub struct Cli {
 /// What the user asks for.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Turn a shape into sheets of pieces: drawings, G-code and pictures
+    Make(make::Args),
     /// Cutters: list them, show one, check a file of your own
     #[command(subcommand)]
     Machine(machine::Command),
@@ -39,6 +42,7 @@ impl Command {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
         match self {
+            Command::Make(args) => make::run(args),
             Command::Machine(command) => machine::run(command),
             Command::Profile(command) => profile::run(command),
             Command::Completions(args) => completions::run(args),
@@ -53,6 +57,11 @@ pub enum Exit {
     Refused,
     /// 2: wrong usage, or a file or setting that is not in order.
     Config,
+}
+
+impl Exit {
+    /// 130: stopped by the user, as shells report an interrupt.
+    pub const STOPPED: i32 = 130;
 }
 
 impl From<Exit> for ExitCode {

@@ -1,1 +1,250 @@
-//! .
+//! What the user decided, as a file: which mesh, machine and material, and how each part is cut and filled.
+//!
+//! A design holds decisions only; everything else follows from them and is worked out anew each time, so the same file gives the same bytes.
+
+mod edit;
+
+use crate::cut::Plane;
+use crate::geom::{P3, V3};
+use serde::{Deserialize, Serialize};
+
+/// The version of the file format this program writes and reads.
+pub const SCHEMA: u32 = 1;
+
+/// A design file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Design {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Machine to cut on, a name or a path.
+    pub machine: String,
+    /// Material to cut, a name or a path.
+    pub material: String,
+    /// Stock to use, in order of preference; empty takes what the material offers.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stock: Vec<String>,
+    /// The shape.
+    pub mesh: MeshSource,
+    /// How it is filled, one entry a part.
+    #[serde(rename = "part")]
+    pub parts: Vec<PartDesign>,
+}
+
+/// The shape a design starts from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeshSource {
+    /// OBJ or STL, relative to the design file.
+    pub file: String,
+    /// SHA-256 of the file, hexadecimal; a mesh that changed since is used with a warning.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sha256: Option<String>,
+    /// Axis that points up; default y for OBJ, z for STL.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub up: Option<Up>,
+    /// Height to scale the shape to, mm; default: the file's numbers are mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_mm: Option<f64>,
+}
+
+/// An axis of the mesh's file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Up {
+    /// The first.
+    X,
+    /// The second.
+    Y,
+    /// The third.
+    Z,
+}
+
+/// One ruffle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PartDesign {
+    /// A letter or short word; joints are numbered behind it.
+    pub name: String,
+    /// Where the shape is cut; default: upright through the middle, across its thinner side.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plane: Option<PlaneSource>,
+    /// Number of layers; default: from the outline.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layers: Option<usize>,
+    /// How it stands.
+    #[serde(default)]
+    pub foot: Foot,
+}
+
+/// A cutting plane in the mesh frame, mm.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlaneSource {
+    /// A point on it.
+    pub origin_mm: [f64; 3],
+    /// Its normal, of any length.
+    pub normal: [f64; 3],
+}
+
+/// How the bottom rung stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Foot {
+    /// Free where it stands by itself, else pinned.
+    #[default]
+    Auto,
+    /// Rests on the floor.
+    Free,
+    /// Both ends of the bottom rung are glued or slotted to a base.
+    Pinned,
+}
+
+/// What is wrong with a design file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// Not TOML, or not a design: the message carries line, column and the line itself.
+    #[error("{file}: {message}")]
+    Syntax {
+        /// The file.
+        file: String,
+        /// What and where.
+        message: String,
+    },
+    /// Written by another version.
+    #[error("{file}: schema = {found}, this furbelow reads schema = {SCHEMA}")]
+    Schema {
+        /// The file.
+        file: String,
+        /// Its schema.
+        found: u32,
+    },
+    /// A value that makes no sense.
+    #[error("{file}: {key} {problem}")]
+    Value {
+        /// The file.
+        file: String,
+        /// Where: "part A: layers".
+        key: String,
+        /// What is wrong and what would be right.
+        problem: String,
+    },
+}
+
+impl Design {
+    /// Reads a design file's text; `file` is its name for messages.
+    pub fn parse(file: &str, text: &str) -> Result<Design, Error> {
+        let design: Design = toml::from_str(text)
+            .map_err(|e| Error::Syntax { file: file.into(), message: e.to_string().trim_end().into() })?;
+        design.check(file)?;
+        Ok(design)
+    }
+
+    /// The file's text.
+    pub fn to_toml(&self) -> String {
+        let body = toml::to_string(self).expect("a design holds nothing TOML cannot");
+        format!("# Made by furbelow; change what you like and run: furbelow make design.toml\n{body}")
+    }
+
+    fn check(&self, file: &str) -> Result<(), Error> {
+        if self.schema != SCHEMA {
+            return Err(Error::Schema { file: file.into(), found: self.schema });
+        }
+        let wrong = |key: String, problem: &str| Err(Error::Value { file: file.into(), key, problem: problem.into() });
+        if self.mesh.height_mm.is_some_and(|h| !(h.is_finite() && h > 0.0)) {
+            return wrong("mesh: height_mm".into(), "must be a positive number");
+        }
+        if self.parts.is_empty() {
+            return wrong("part".into(), "is missing; a design has at least one [[part]] with a name");
+        }
+        for (i, part) in self.parts.iter().enumerate() {
+            let key = |k: &str| format!("part {}: {k}", part.name);
+            if part.name.is_empty() || !part.name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-') {
+                return wrong(
+                    key("name"),
+                    "must be letters, digits and '-' only: it is cut into every piece and names files",
+                );
+            }
+            // Pieces and joints are the name and a number.
+            if part.name.ends_with(|c: char| c.is_ascii_digit()) {
+                return wrong(key("name"), "must not end in a digit: pieces and joints are numbered behind it");
+            }
+            if self.parts[..i].iter().any(|p| p.name == part.name) {
+                return wrong(key("name"), "is used twice");
+            }
+            if part.layers == Some(0) {
+                return wrong(key("layers"), "must be at least 1");
+            }
+            if let Some(plane) = part.plane {
+                let [x, y, z] = plane.normal;
+                let length = V3::new(x, y, z).norm();
+                let finite = plane.origin_mm.iter().chain(&plane.normal).all(|v| v.is_finite());
+                if !finite || length < 1e-9 {
+                    return wrong(key("plane"), "needs finite numbers and a normal that is not zero");
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl PlaneSource {
+    /// The plane, with a unit normal.
+    pub fn plane(&self) -> Plane {
+        Plane { origin: P3::from(self.origin_mm), normal: V3::from(self.normal).normalize() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stool() -> Design {
+        Design {
+            schema: SCHEMA,
+            machine: "diode-400".into(),
+            material: "paper-160".into(),
+            stock: vec!["A3".into()],
+            mesh: MeshSource { file: "stool.obj".into(), sha256: None, up: Some(Up::Y), height_mm: Some(100.0) },
+            parts: vec![PartDesign {
+                name: "A".into(),
+                plane: Some(PlaneSource { origin_mm: [0.0; 3], normal: [0.0, 0.0, 2.0] }),
+                layers: Some(4),
+                foot: Foot::Pinned,
+            }],
+        }
+    }
+
+    #[test]
+    fn what_is_written_reads_back_the_same() {
+        assert_eq!(Design::parse("design.toml", &stool().to_toml()), Ok(stool()));
+    }
+
+    #[test]
+    fn a_typo_is_told_with_its_line() {
+        let text = stool().to_toml().replace("layers", "layerz");
+        let message = Design::parse("design.toml", &text).unwrap_err().to_string();
+        assert!(message.contains("design.toml") && message.contains("layerz") && message.contains("line"), "{message}");
+    }
+
+    #[test]
+    fn values_that_make_no_sense_are_named() {
+        let mut twice = stool();
+        twice.parts.push(twice.parts[0].clone());
+        let mut flat = stool();
+        flat.parts[0].plane = Some(PlaneSource { origin_mm: [0.0; 3], normal: [0.0; 3] });
+        let mut named = stool();
+        named.parts[0].name = "../../x".into();
+        let mut future = stool();
+        future.schema = 9;
+        for (design, word) in [(twice, "twice"), (flat, "normal"), (named, "letters"), (future, "schema = 9")] {
+            let message = Design::parse("d.toml", &design.to_toml()).unwrap_err().to_string();
+            assert!(message.contains(word), "{message}");
+        }
+    }
+
+    #[test]
+    fn planes_are_made_with_unit_normals() {
+        assert_eq!(stool().parts[0].plane.unwrap().plane().normal, V3::z());
+    }
+}

@@ -1,1 +1,412 @@
-//! .
+//! Fills an outline with a ruffle: draws clean stacks, lets them settle, adjusts section lengths, and keeps what fills best.
+
+mod report;
+mod rule;
+
+pub use report::{FootUsed, Report, warnings};
+
+use crate::cut::{Outline, PlaneFrame};
+use crate::extrude::{Extruder, Span};
+use crate::geom::P2;
+use crate::progress::{Observer, Progress, Quiet};
+use crate::ruffle::{Drawn, Ruffle, StackError, StackSettings, draw_stack};
+use crate::sim::{self, Equilibrium, Material, Outcome, Solver, Supports};
+use std::ops::ControlFlow;
+
+/// What to fill.
+#[derive(Debug, Clone, Copy)]
+pub struct Target<'a> {
+    /// Name of the part, for errors and warnings.
+    pub name: &'a str,
+    /// Where the plane lies.
+    pub frame: &'a PlaneFrame,
+    /// The region to fill, plane frame, mm.
+    pub outline: &'a Outline,
+    /// How wide the strip is where.
+    pub extruder: &'a Extruder,
+    /// The sheet, along the strip.
+    pub material: &'a Material,
+}
+
+/// How the bottom rung stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Foot {
+    /// Free if the stack stands by itself and fills as well, else pinned.
+    #[default]
+    Auto,
+    /// Rests on the floor.
+    Free,
+    /// Both ends of the bottom rung are fixed to a base.
+    Pinned,
+}
+
+/// How to fill.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// How stacks are drawn; `aspect` is the first that is tried.
+    pub stack: StackSettings,
+    /// Further layer-height-to-width ratios to try. Each costs a few dozen milliseconds; outlines differ in which they like.
+    pub other_aspects: Vec<f64>,
+    /// How the foot stands.
+    pub foot: Foot,
+    /// Rounds of length updates per start.
+    pub rounds: usize,
+    /// eta of the paper's outer rule. The paper asks for less than 2; above 0.5 stacks of more than two layers oscillate.
+    pub outer_gain: f64,
+    /// Sections keep at least this share of the length they were drawn with, so that no layer collapses.
+    pub min_length_ratio: f64,
+    /// And at most this many times.
+    pub max_length_ratio: f64,
+    /// How much worse a protruding square millimetre is than an empty one.
+    pub protrusion_weight: f64,
+    /// How much worse filling may be when the foot stands free: glue is work.
+    pub free_foot_bonus: f64,
+    /// Accuracy of the solver. Its floor is set to the outline's lowest point.
+    pub solver: sim::Settings,
+    /// Tightest bend the material takes without creasing, mm.
+    pub min_bend_radius_mm: f64,
+    /// Smallest void a person can still reach into with tools, mm.
+    pub min_void_mm: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            stack: StackSettings::default(),
+            other_aspects: vec![0.28, 0.45],
+            foot: Foot::Auto,
+            rounds: 8,
+            outer_gain: 0.4,
+            min_length_ratio: 0.6,
+            max_length_ratio: 1.6,
+            protrusion_weight: 3.0,
+            free_foot_bonus: 0.03,
+            solver: sim::Settings::default(),
+            min_bend_radius_mm: 0.0,
+            min_void_mm: 0.0,
+        }
+    }
+}
+
+/// One filled part; everything the rooms after this one need.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Name: "A".
+    pub name: String,
+    /// Where its plane lies in the mesh frame.
+    pub frame: PlaneFrame,
+    /// What was to be filled, plane frame, mm.
+    pub outline: Outline,
+    /// The strip.
+    pub ruffle: Ruffle,
+    /// The strip's extent along the plane's normal at every node.
+    pub spans: Vec<Span>,
+    /// Where the strip rests.
+    pub equilibrium: Equilibrium,
+    /// How well it fills and whether it can be made.
+    pub report: Report,
+}
+
+/// Why a part could not be filled.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// No stack can be drawn.
+    #[error("part {part}: {source}")]
+    Stack {
+        /// The part.
+        part: String,
+        /// Why.
+        source: StackError,
+    },
+    /// The solver was given something impossible.
+    #[error("part {part}: {source}")]
+    Solve {
+        /// The part.
+        part: String,
+        /// Why.
+        source: sim::Error,
+    },
+    /// Nothing that was tried came to rest.
+    #[error(
+        "part {part}: no start settled ({tried} tried; the best was still unbalanced by {residual_n:.1e} N). Try another number of layers (layers = N in the design), a stiffer material, or foot = \"pinned\""
+    )]
+    Unsettled {
+        /// The part.
+        part: String,
+        /// Starts tried.
+        tried: usize,
+        /// Unbalanced force of the best, N.
+        residual_n: f64,
+    },
+}
+
+/// Fills `target`. Stopped early, it keeps the best so far. [`warnings`] says what the user should know about the result.
+pub fn fit(target: &Target, settings: &Settings, observer: &mut dyn Observer) -> Result<Part, Error> {
+    let starts = starts(target, settings)?;
+    let feet: &[FootUsed] = match settings.foot {
+        Foot::Auto => &[FootUsed::Free, FootUsed::Pinned],
+        Foot::Free => &[FootUsed::Free],
+        Foot::Pinned => &[FootUsed::Pinned],
+    };
+    let total = (starts.len() * feet.len() * (settings.rounds + 1)) as u64;
+    let mut search =
+        Search { target, settings, observer, best: None, done: 0, total, stopped: false, residual_n: f64::INFINITY };
+    for foot in feet {
+        for start in &starts {
+            search.run(start, *foot)?;
+        }
+    }
+    let Search { best, residual_n, .. } = search;
+    let Some(best) = best else {
+        return Err(Error::Unsettled { part: target.name.into(), tried: starts.len() * feet.len(), residual_n });
+    };
+    Ok(part(target, best))
+}
+
+/// Solves a part once more with the widths the strip has where it lies now. Filling changes lengths from round to round and so bends the strip with the widths
+/// of the round before; after this, shape, widths and weights belong together. Never stopped: it takes milliseconds.
+pub fn settle(target: &Target, settings: &Settings, filled: Part) -> Result<Part, Error> {
+    let foot = filled.report.foot;
+    let error = |source| Error::Solve { part: target.name.into(), source };
+    let mut solver = solver(target, settings, &filled.ruffle, &filled.spans, foot).map_err(error)?;
+    let equilibrium = solver.solve(&filled.equilibrium.positions, &mut Quiet).map_err(error)?;
+    if equilibrium.outcome != Outcome::Converged {
+        return Ok(filled);
+    }
+    let spans = target.extruder.spans(&filled.ruffle, &equilibrium.positions);
+    Ok(part(target, Candidate { ruffle: filled.ruffle, spans, equilibrium, foot, score: 0.0 }))
+}
+
+fn part(target: &Target, candidate: Candidate) -> Part {
+    let report = report::measure(target, &candidate);
+    let Candidate { ruffle, spans, equilibrium, .. } = candidate;
+    Part {
+        name: target.name.into(),
+        frame: *target.frame,
+        outline: target.outline.clone(),
+        ruffle,
+        spans,
+        equilibrium,
+        report,
+    }
+}
+
+fn solver(
+    target: &Target,
+    settings: &Settings,
+    ruffle: &Ruffle,
+    spans: &[Span],
+    foot: FootUsed,
+) -> Result<Solver, sim::Error> {
+    let supports = match foot {
+        FootUsed::Pinned => Supports { pinned: ruffle.foot.to_vec(), upright: Vec::new() },
+        FootUsed::Free => Supports { pinned: Vec::new(), upright: vec![ruffle.foot[0]] },
+    };
+    let settings = sim::Settings { floor_mm: target.outline.bounds().min.y, ..settings.solver };
+    Solver::new(ruffle, &widths(spans), target.material, &supports, &settings)
+}
+
+/// Drawings to start from, one per distinct layer count.
+fn starts(target: &Target, settings: &Settings) -> Result<Vec<Drawn>, Error> {
+    let mut starts: Vec<Drawn> = Vec::new();
+    for aspect in std::iter::once(settings.stack.aspect).chain(settings.other_aspects.iter().copied()) {
+        let drawn = draw_stack(target.outline, &StackSettings { aspect, ..settings.stack })
+            .map_err(|source| Error::Stack { part: target.name.into(), source })?;
+        if !starts.iter().any(|s| s.ruffle.sections.len() == drawn.ruffle.sections.len()) {
+            starts.push(drawn);
+        }
+    }
+    Ok(starts)
+}
+
+/// A settled ruffle and how good it is.
+struct Candidate {
+    ruffle: Ruffle,
+    spans: Vec<Span>,
+    equilibrium: Equilibrium,
+    foot: FootUsed,
+    /// Lower is better.
+    score: f64,
+}
+
+struct Search<'a> {
+    target: &'a Target<'a>,
+    settings: &'a Settings,
+    observer: &'a mut dyn Observer,
+    best: Option<Candidate>,
+    done: u64,
+    total: u64,
+    stopped: bool,
+    /// Least unbalanced force of anything that did not settle, N.
+    residual_n: f64,
+}
+
+impl Search<'_> {
+    /// Lets one drawing settle and improves it round by round.
+    fn run(&mut self, start: &Drawn, foot: FootUsed) -> Result<(), Error> {
+        let (target, settings) = (self.target, self.settings);
+        let error = |source| Error::Solve { part: target.name.into(), source };
+        let rule = rule::LengthRule::new(start, target.outline, settings);
+        let mut ruffle = start.ruffle.clone();
+        let mut positions = start.positions.clone();
+        let mut spans = target.extruder.spans(&ruffle, &positions);
+        let mut solver = solver(target, settings, &ruffle, &spans, foot).map_err(error)?;
+        for _ in 0..=settings.rounds {
+            self.done += 1;
+            if self.stopped {
+                return Ok(());
+            }
+            solver.measure(&ruffle, &widths(&spans)).map_err(error)?;
+            let equilibrium = solver.solve(&positions, &mut Inner(self)).map_err(error)?;
+            if equilibrium.outcome != Outcome::Converged {
+                self.residual_n = self.residual_n.min(equilibrium.residual_n);
+                return Ok(());
+            }
+            positions.clone_from(&equilibrium.positions);
+            // The next round bends and weighs the strip as wide as the mesh is where it lies now.
+            spans = target.extruder.spans(&ruffle, &positions);
+            self.consider(&ruffle, &spans, equilibrium, foot);
+            for (section, length) in rule.lengths(&ruffle, &positions).into_iter().enumerate() {
+                ruffle.set_section_length(section, length);
+            }
+        }
+        Ok(())
+    }
+
+    fn consider(&mut self, ruffle: &Ruffle, spans: &[Span], equilibrium: Equilibrium, foot: FootUsed) {
+        let coverage = report::region(ruffle, &equilibrium.positions).coverage(self.target.outline.loops());
+        let glue = if foot == FootUsed::Pinned { self.settings.free_foot_bonus } else { 0.0 };
+        // A ruffle that passes through itself cannot be made as computed: each crossing outweighs ten points of coverage.
+        let crossings = 0.1 * equilibrium.self_intersections as f64;
+        let score = coverage.uncovered_fraction()
+            + self.settings.protrusion_weight * coverage.protruding_fraction()
+            + glue
+            + crossings;
+        if self.best.as_ref().is_none_or(|b| score < b.score) {
+            self.best = Some(Candidate { ruffle: ruffle.clone(), spans: spans.to_vec(), equilibrium, foot, score });
+        }
+    }
+
+    fn report_progress(&mut self) -> ControlFlow<()> {
+        let note = self.best.as_ref().map_or(String::new(), |b| {
+            let region = report::region(&b.ruffle, &b.equilibrium.positions);
+            let filled = 1.0 - region.coverage(self.target.outline.loops()).uncovered_fraction();
+            format!("{:.0} % filled", 100.0 * filled)
+        });
+        self.observer.step(Progress { stage: "filling", done: self.done, total: self.total, note })
+    }
+}
+
+/// Passes a solve's progress on as the search's own. A stop ends the search once something has settled; before that, the solve goes on, since there would be
+/// nothing to keep.
+struct Inner<'s, 'a>(&'s mut Search<'a>);
+
+impl Observer for Inner<'_, '_> {
+    fn step(&mut self, progress: Progress) -> ControlFlow<()> {
+        if progress.done == 0 && self.0.report_progress().is_break() {
+            self.0.stopped = true;
+        }
+        if self.0.stopped && self.0.best.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+fn widths(spans: &[Span]) -> Vec<f64> {
+    spans.iter().map(|s| s.hi - s.lo).collect()
+}
+
+/// Segments of a settled ruffle as point pairs.
+fn placed_segments(ruffle: &Ruffle, positions: &[P2]) -> Vec<(P2, P2)> {
+    ruffle.segments().map(|(i, j)| (positions[i], positions[j])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::{P3, V3};
+    use crate::progress::Warning;
+
+    fn frame() -> PlaneFrame {
+        PlaneFrame { origin: P3::origin(), u: V3::x(), v: V3::y(), normal: V3::z() }
+    }
+
+    fn paper() -> Material {
+        Material {
+            flexural_rigidity_n_mm: 2.1,
+            membrane_stiffness_n_per_mm: 600.0,
+            grammage_g_per_m2: 160.0,
+            thickness_mm: 0.19,
+        }
+    }
+
+    fn polygon(points: &[(f64, f64)]) -> Outline {
+        Outline { outer: points.iter().map(|(x, y)| P2::new(*x, *y)).collect(), holes: Vec::new() }
+    }
+
+    fn filled(
+        outline: &Outline,
+        settings: &Settings,
+        observer: &mut dyn Observer,
+    ) -> Result<(Part, Vec<Warning>), Error> {
+        let extruder = Extruder::constant(-20.0, 20.0).unwrap();
+        let target = Target { name: "A", frame: &frame(), outline, extruder: &extruder, material: &paper() };
+        let part = settle(&target, settings, fit(&target, settings, observer)?)?;
+        let warnings = warnings(&part, settings);
+        Ok((part, warnings))
+    }
+
+    #[test]
+    fn a_square_is_filled_without_crossings_and_settles() {
+        let square = polygon(&[(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)]);
+        let (part, _) = filled(&square, &Settings::default(), &mut Quiet).unwrap();
+        part.ruffle.check().unwrap();
+        assert_eq!(part.equilibrium.outcome, Outcome::Converged);
+        assert_eq!(part.equilibrium.self_intersections, 0);
+        assert!(part.report.uncovered_fraction < 0.12, "{:?}", part.report);
+        assert!(part.report.protruding_fraction < 0.02, "{:?}", part.report);
+        let mass = part.report.strip_length_mm * 40.0 * 160e-6;
+        assert!((part.report.strip_mass_g - mass).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_tall_shape_is_pinned_and_says_so() {
+        let tall = polygon(&[(0.0, 0.0), (40.0, 0.0), (40.0, 160.0), (0.0, 160.0)]);
+        let (part, warnings) = filled(&tall, &Settings::default(), &mut Quiet).unwrap();
+        assert_eq!(part.report.foot, FootUsed::Pinned);
+        assert!(warnings.iter().any(|w| w.code == "foot-pinned"), "{warnings:?}");
+        let foot = part.ruffle.foot.map(|n| part.equilibrium.positions[n.index()].y);
+        assert_eq!(foot, [0.0, 0.0]);
+    }
+
+    #[test]
+    fn tight_bends_and_thin_voids_are_named() {
+        let square = polygon(&[(0.0, 0.0), (60.0, 0.0), (60.0, 60.0), (0.0, 60.0)]);
+        let settings = Settings { min_bend_radius_mm: 50.0, min_void_mm: 50.0, ..Settings::default() };
+        let (part, warnings) = filled(&square, &settings, &mut Quiet).unwrap();
+        let codes: Vec<&str> = warnings.iter().map(|w| w.code).collect();
+        assert!(codes.contains(&"bend-tight") && codes.contains(&"void-small"), "{codes:?}");
+        assert!(part.report.min_radius_mm < 50.0 && part.report.min_void_mm < 50.0);
+    }
+
+    #[test]
+    fn stopping_at_once_still_gives_a_settled_part() {
+        struct Stop(u32);
+        impl Observer for Stop {
+            fn step(&mut self, _: Progress) -> ControlFlow<()> {
+                self.0 += 1;
+                ControlFlow::Break(())
+            }
+        }
+        let square = polygon(&[(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)]);
+        let mut stop = Stop(0);
+        let (part, _) = filled(&square, &Settings::default(), &mut stop).unwrap();
+        assert_eq!(part.equilibrium.outcome, Outcome::Converged);
+        assert!(stop.0 < 4, "asked {} times", stop.0);
+    }
+
+    #[test]
+    fn an_outline_too_small_is_refused_by_part() {
+        let tiny = polygon(&[(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)]);
+        let error = filled(&tiny, &Settings::default(), &mut Quiet).unwrap_err();
+        assert!(error.to_string().starts_with("part A: the outline, 8.0 x 8.0 mm"), "{error}");
+    }
+}

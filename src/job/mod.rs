@@ -1,1 +1,87 @@
-//! .
+//! Chains the stages: a design becomes parts, pieces, sheets, programs and files.
+//!
+//! ```text
+//! Design --realise--> Parts --strips--> Pieces --sheets--> Layouts, Programs --artifacts--> files
+//! ```
+//!
+//! [`realise()`] is the one meaning of a design. `settings` is the only place where machine and profile become the stages' settings. Files are staged beside
+//! their folder and renamed at the end, so a failure leaves what was there before.
+
+mod artifacts;
+mod error;
+mod order;
+mod output;
+mod pictures;
+mod realise;
+mod report;
+mod ruffle_json;
+mod settings;
+mod sheets;
+mod stock;
+mod strips;
+
+pub use error::Error;
+pub use order::{Order, Overrides};
+pub use realise::{Realised, realise};
+pub use report::Report;
+pub use sheets::minutes;
+
+use crate::config::Library;
+use crate::progress::{Observer, Progress, Warning};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// What a finished job tells its caller.
+#[derive(Debug, Clone)]
+pub struct Made {
+    /// Everything in report.json.
+    pub report: Report,
+    /// Files written, relative to the output folder, in writing order.
+    pub files: Vec<PathBuf>,
+    /// True when the user stopped the search and got the best so far.
+    pub stopped_early: bool,
+}
+
+/// Does everything up to files in `out_dir`.
+pub fn make(order: &Order, library: &Library, out_dir: &Path, observer: &mut dyn Observer) -> Result<Made, Error> {
+    let began = Instant::now();
+    let mut observer = Watch { inner: observer, stopped: false };
+    let setup = settings::Setup::new(&order.design, library)?;
+    output::refuse_foreign_design(out_dir, order)?;
+    let realised = realise(&order.design, &order.folder, &setup, &mut observer)?;
+    let nesting = Instant::now();
+    let strips = strips::strips(&realised, &setup)?;
+    let sheets = sheets::sheets(&strips, &setup, order, &mut observer)?;
+    let nest_ms = nesting.elapsed().as_secs_f64() * 1e3;
+
+    let mut warnings: Vec<Warning> = setup.warnings.clone();
+    warnings.extend(realised.warnings.iter().cloned());
+    warnings.extend(strips.warnings.iter().cloned());
+    warnings.extend(sheets.warnings.iter().cloned());
+    if observer.stopped {
+        warnings.push(Warning::new("stopped-early", "stopped by you: this is the best found until then"));
+    }
+    let timing = report::Timing { solve_ms: realised.solve_ms, fit_ms: realised.fit_ms, nest_ms, wall_s: 0.0 };
+    let mut report = report::report(&setup, &realised, &strips, &sheets, warnings, timing);
+    let mut stage = output::Stage::new(out_dir)?;
+    artifacts::write(&mut stage, order, &setup, &realised, &strips, &sheets, &mut observer)?;
+    report.timing.wall_s = began.elapsed().as_secs_f64();
+    stage.write("report.json", report.to_json().as_bytes())?;
+    let files = stage.publish()?;
+    Ok(Made { report, files, stopped_early: observer.stopped })
+}
+
+/// Remembers that the user asked to stop.
+struct Watch<'a> {
+    inner: &'a mut dyn Observer,
+    stopped: bool,
+}
+
+impl Observer for Watch<'_> {
+    fn step(&mut self, progress: Progress) -> ControlFlow<()> {
+        let answer = self.inner.step(progress);
+        self.stopped |= answer.is_break();
+        answer
+    }
+}

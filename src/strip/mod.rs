@@ -1,1 +1,156 @@
-//! .
+//! Lays a fitted part flat: the pieces that are cut, with flaps, slits, splices and labels.
+//!
+//! Strip frame: s along the strip from its first connection point, w across (the plane's normal), mm. Pieces are seen from the side that the first loop
+//! shows outward.
+
+mod edge;
+mod fasten;
+mod joint;
+mod label;
+mod splice;
+
+pub use joint::Joint;
+
+use crate::drawing::{Drawing, DrawnPath, KerfSide, Role};
+use crate::fit::Part;
+use crate::geom::Path;
+use crate::progress::Warning;
+use edge::Edges;
+use fasten::{Fastening, Mating};
+
+/// How strips are made into pieces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// The joint, nominal.
+    pub joint: Joint,
+    /// Longest piece that fits the stock, mm.
+    pub max_piece_mm: f64,
+    /// How far two pieces of one strip overlap where they are joined, mm.
+    pub splice_overlap_mm: f64,
+    /// Height of engraved lettering, mm; `None` where the tool cannot mark the material.
+    pub label_mm: Option<f64>,
+    /// Mass per area, g/m².
+    pub grammage_g_per_m2: f64,
+}
+
+/// One thing to cut.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Piece {
+    /// Unique name: part letter and number.
+    pub name: String,
+    /// The part it belongs to.
+    pub part: String,
+    /// What is cut and engraved, strip frame.
+    pub drawing: Drawing,
+    /// Extent along s, mm.
+    pub length_mm: f64,
+    /// Extent along w, mm.
+    pub width_mm: f64,
+    /// Mass, g.
+    pub mass_g: f64,
+}
+
+/// All pieces of one part and how well their joints are defined.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pieces {
+    /// In strip order.
+    pub pieces: Vec<Piece>,
+    /// Largest distance in space between a flap's root and the slit it goes through, the intended lead taken off, mm.
+    pub max_mating_error_mm: f64,
+    /// Labels that overlap a cut or another label.
+    pub label_collisions: usize,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Why a part cannot be laid flat.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// The stock is shorter than a piece can be.
+    #[error(
+        "part {part}: the stock takes pieces of at most {max_piece_mm:.0} mm, but two splices and what lies between need {least_mm:.0} mm; use larger stock (--stock)"
+    )]
+    StockTooShort {
+        /// The part.
+        part: String,
+        /// Longest piece.
+        max_piece_mm: f64,
+        /// Least length needed.
+        least_mm: f64,
+    },
+    /// No gap between joints is long enough for a splice.
+    #[error(
+        "part {part}: between {from_mm:.0} and {to_mm:.0} mm of the strip no stretch of {need_mm:.0} mm is free of joints, so the strip cannot be divided for pieces of {max_piece_mm:.0} mm; use longer stock (--stock) or fewer layers"
+    )]
+    NoRoomForSplice {
+        /// The part.
+        part: String,
+        /// Where the search began.
+        from_mm: f64,
+        /// And ended.
+        to_mm: f64,
+        /// Free length needed.
+        need_mm: f64,
+        /// Longest piece.
+        max_piece_mm: f64,
+    },
+}
+
+/// Lays `part` flat and divides it into pieces.
+pub fn pieces(part: &Part, settings: &Settings) -> Result<Pieces, Error> {
+    let edges = Edges::new(part, settings.joint.end_tab_mm);
+    let (fastenings, mut warnings) = fasten::fastenings(part, &edges, &settings.joint);
+    let ranges = splice::divide(part, &edges, &fastenings, settings)?;
+    let mut label_collisions = 0;
+    let mut pieces = Vec::with_capacity(ranges.len());
+    for (i, range) in ranges.iter().enumerate() {
+        let name = format!("{}{}", part.name, i + 1);
+        let own = |f: &&Fastening| range.contains(&f.station_mm);
+        let mut paths = vec![DrawnPath {
+            path: edges.contour(range.clone()),
+            role: Role::Outline,
+            kerf: KerfSide::Outside,
+            joint: None,
+        }];
+        paths.extend(fastenings.iter().filter(own).flat_map(|f| f.paths(&settings.joint)));
+        paths.extend(splice::marks(&edges, &ranges, i, settings.splice_overlap_mm));
+        if let Some(height_mm) = settings.label_mm {
+            let own: Vec<&Fastening> = fastenings.iter().filter(own).collect();
+            let (labels, collisions) = label::labels(&name, &paths, &own, &settings.joint, height_mm);
+            paths.extend(labels);
+            label_collisions += collisions;
+        }
+        let outline_mm2 = paths[0].path.signed_area();
+        let drawing = Drawing { name: name.clone(), paths };
+        let bounds = drawing.bounds();
+        pieces.push(Piece {
+            name,
+            part: part.name.clone(),
+            drawing,
+            length_mm: bounds.width(),
+            width_mm: bounds.height(),
+            mass_g: outline_mm2 * 1e-6 * settings.grammage_g_per_m2,
+        });
+    }
+    if ranges.len() > 1 {
+        warnings.push(
+            Warning::new(
+                "spliced",
+                format!(
+                    "the strip of {:.0} mm is longer than the stock: {} pieces, each glued over the next by {:.0} mm at the marked lines",
+                    edges.length_mm(),
+                    ranges.len(),
+                    settings.splice_overlap_mm
+                ),
+            )
+            .in_part(&part.name),
+        );
+    }
+    let max_mating_error_mm = Mating::of(&fastenings).worst_error_mm(part);
+    Ok(Pieces { pieces, max_mating_error_mm, label_collisions, warnings })
+}
+
+/// An uncut line across the strip.
+fn line(path: Path, role: Role) -> DrawnPath {
+    DrawnPath { path, role, kerf: KerfSide::On, joint: None }
+}

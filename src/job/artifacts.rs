@@ -1,0 +1,62 @@
+//! The files of a job.
+
+use super::output::Stage;
+use super::settings::Setup;
+use super::sheets::Sheets;
+use super::strips::Strips;
+use super::{Error, Order, Realised, pictures, ruffle_json};
+use crate::drawing;
+use crate::preview::Canvas;
+use crate::progress::{Observer, Progress};
+
+/// Room around a piece in its own drawing, mm.
+const PIECE_MARGIN_MM: f64 = 5.0;
+
+/// Stages every file but report.json.
+pub(super) fn write(
+    stage: &mut Stage,
+    order: &Order,
+    setup: &Setup,
+    realised: &Realised,
+    strips: &Strips,
+    sheets: &Sheets,
+    observer: &mut dyn Observer,
+) -> Result<(), Error> {
+    let total = (realised.parts.len() + sheets.sheets.len()) as u64;
+    let mut done = 0;
+    let mut wrote = |note: &str| {
+        // Nothing can be left out here, so a stop is not asked for.
+        let progress = Progress { stage: "writing", done, total, note: note.to_owned() };
+        let _ = observer.step(progress);
+        done += 1;
+    };
+    stage.write("design.toml", order.text_for(stage.target())?.as_bytes())?;
+    stage.write("ruffle.json", ruffle_json::ruffle_json(&realised.parts, setup).as_bytes())?;
+    for part in &realised.parts {
+        wrote(&part.name);
+        let canvas = pictures::part(part);
+        stage.write(&format!("parts/{}.svg", part.name), canvas.to_svg().as_bytes())?;
+        png(stage, &format!("parts/{}.png", part.name), &canvas, pictures::PART_PX)?;
+    }
+    for piece in &strips.pieces {
+        let svg = drawing::piece_svg(&piece.drawing, PIECE_MARGIN_MM);
+        stage.write(&format!("strips/{}.svg", piece.name), svg.as_bytes())?;
+        let dxf = drawing::dxf(std::slice::from_ref(&piece.drawing));
+        stage.write(&format!("strips/{}.dxf", piece.name), dxf.as_bytes())?;
+    }
+    for sheet in &sheets.sheets {
+        wrote(&sheet.file);
+        let name = |ending: &str| format!("sheets/{}.{ending}", sheet.file);
+        let svg = drawing::sheet_svg(sheet.layout.width_mm, sheet.layout.height_mm, &sheet.drawings);
+        stage.write(&name("svg"), svg.as_bytes())?;
+        stage.write(&name("dxf"), drawing::dxf(&sheet.drawings).as_bytes())?;
+        stage.write(&name("nc"), sheet.program.to_string().as_bytes())?;
+        png(stage, &name("png"), &pictures::sheet(sheet, setup), pictures::SHEET_PX)?;
+    }
+    Ok(())
+}
+
+fn png(stage: &mut Stage, file: &str, canvas: &Canvas, longer_px: u32) -> Result<(), Error> {
+    let bytes = canvas.to_png(longer_px).map_err(|source| Error::Picture { file: file.to_owned(), source })?;
+    stage.write(file, &bytes)
+}

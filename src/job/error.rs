@@ -1,0 +1,145 @@
+//! Why a job was not made, and whether the input or the request is to blame.
+
+use std::path::PathBuf;
+
+/// Everything that can end a job.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A machine or profile is not in order, or the pair is forbidden.
+    #[error(transparent)]
+    Config(#[from] crate::config::Error),
+    /// The design file is not in order.
+    #[error(transparent)]
+    Design(#[from] crate::design::Error),
+    /// The mesh cannot be used.
+    #[error(transparent)]
+    Mesh(#[from] crate::mesh::Error),
+    /// The plane gives no outline.
+    #[error("part {part}: {source}")]
+    Cut {
+        /// The part.
+        part: String,
+        /// Why.
+        source: crate::cut::Error,
+    },
+    /// The mesh gives no widths.
+    #[error("part {part}: {source}")]
+    Extrude {
+        /// The part.
+        part: String,
+        /// Why.
+        source: crate::extrude::Error,
+    },
+    /// The outline cannot be filled.
+    #[error(transparent)]
+    Fit(#[from] crate::fit::Error),
+    /// The strip cannot be laid flat.
+    #[error(transparent)]
+    Strip(#[from] crate::strip::Error),
+    /// The pieces do not fit the stock.
+    #[error(transparent)]
+    Nest(#[from] crate::nest::Error),
+    /// The sheet cannot be cut within the machine's limits.
+    #[error("{sheet}: {source}")]
+    Toolpath {
+        /// The sheet.
+        sheet: String,
+        /// Why.
+        source: crate::toolpath::Error,
+    },
+    /// The program cannot be written.
+    #[error("{sheet}: {source}")]
+    Gcode {
+        /// The sheet.
+        sheet: String,
+        /// Why.
+        source: crate::gcode::Error,
+    },
+    /// The program that was written cannot be read back.
+    #[error("{sheet}: {source}")]
+    Trace {
+        /// The sheet.
+        sheet: String,
+        /// Why.
+        source: crate::gcode::TraceError,
+    },
+    /// The program that was written breaks a limit of the machine.
+    #[error("{sheet}: {finding}")]
+    Check {
+        /// The sheet.
+        sheet: String,
+        /// What and where.
+        finding: crate::gcode::Finding,
+    },
+    /// A picture cannot be drawn.
+    #[error("{file}: {source}")]
+    Picture {
+        /// The file.
+        file: String,
+        /// Why.
+        source: crate::preview::Error,
+    },
+    /// A stock that was asked for is not known.
+    #[error(
+        "stock '{given}' is neither one of {profile}'s ({known}) nor a size such as 420x297 or 500x300@4 (mm, @ how many)"
+    )]
+    UnknownStock {
+        /// What was asked for.
+        given: String,
+        /// The material.
+        profile: String,
+        /// Its stock.
+        known: String,
+    },
+    /// No stock lies on the machine.
+    #[error("{profile} has no sheets for {machine}; name some with --stock, for example --stock A4 or --stock 420x297")]
+    NoStock {
+        /// The material.
+        profile: String,
+        /// The machine.
+        machine: String,
+    },
+    /// This machine cannot make sheets yet.
+    #[error("machine {machine} {problem}")]
+    Machine {
+        /// The machine.
+        machine: String,
+        /// What is wrong and the way out.
+        problem: String,
+    },
+    /// The output folder holds somebody's design.
+    #[error(
+        "{path} holds a different design; run `furbelow make {path}` to use it, choose another folder with --out, or replace it with --force",
+        path = path.display()
+    )]
+    ForeignDesign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file cannot be read or written.
+    #[error("{path}: {source}", path = path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+}
+
+impl Error {
+    /// True when the input is in order but the job cannot be made or breaks a limit (exit code 1); false when a file, setting or argument is at fault (exit code 2).
+    pub fn refuses_job(&self) -> bool {
+        match self {
+            Error::Config(e) => e.refuses_job(),
+            Error::Design(_) | Error::Mesh(_) | Error::UnknownStock { .. } => false,
+            Error::ForeignDesign { .. } | Error::File { .. } => false,
+            _ => true,
+        }
+    }
+
+    /// A failed access to `path`.
+    pub(super) fn file(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Error {
+        let path = path.into();
+        move |source| Error::File { path, source }
+    }
+}

@@ -1,0 +1,114 @@
+//! What the user asked for: a design, made from a mesh or read from a file, with the command line's values over it.
+
+use super::Error;
+use super::output::{absolute, relative};
+use crate::design::{Design, Foot, MeshSource, PartDesign, SCHEMA, Up};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// A design and where it lives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Order {
+    /// The decisions, command line applied.
+    pub design: Design,
+    /// The design file's text, when there was one.
+    pub text: Option<String>,
+    /// Folder that the mesh's path is relative to, absolute.
+    pub folder: PathBuf,
+    /// Replace a different design in the output folder.
+    pub force: bool,
+}
+
+/// Values from the command line; each goes over the design's.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Overrides {
+    /// Machine, a name or a path.
+    pub machine: Option<String>,
+    /// Material, a name or a path.
+    pub material: Option<String>,
+    /// Stock in order of preference.
+    pub stock: Vec<String>,
+    /// Height of the shape, mm.
+    pub height_mm: Option<f64>,
+    /// Axis of the mesh that points up.
+    pub up: Option<Up>,
+    /// Number of layers.
+    pub layers: Option<usize>,
+    /// How the foot stands.
+    pub foot: Option<Foot>,
+}
+
+/// Stands in for a machine or material that neither the design nor the command line names: an empty name is never in a library.
+const NOT_NAMED: &str = "";
+
+impl Order {
+    /// The default design for a mesh: one part, everything else from the shape.
+    pub fn from_mesh(mesh: &Path, overrides: &Overrides) -> Result<Order, Error> {
+        let mesh = absolute(mesh)?;
+        let bytes = std::fs::read(&mesh).map_err(Error::file(&mesh))?;
+        let folder = mesh.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+        let file = mesh.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let design = Design {
+            schema: SCHEMA,
+            machine: NOT_NAMED.into(),
+            material: NOT_NAMED.into(),
+            stock: Vec::new(),
+            mesh: MeshSource { file, sha256: Some(sha256(&bytes)), up: None, height_mm: None },
+            parts: vec![PartDesign { name: "A".into(), plane: None, layers: None, foot: Foot::Auto }],
+        };
+        Ok(Order { design: overridden(design, overrides), text: None, folder, force: false })
+    }
+
+    /// A design file.
+    pub fn from_file(path: &Path, overrides: &Overrides) -> Result<Order, Error> {
+        let text = std::fs::read_to_string(path).map_err(Error::file(path))?;
+        let design = Design::parse(&path.display().to_string(), &text)?;
+        let path = absolute(path)?;
+        let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+        Ok(Order { design: overridden(design, overrides), text: Some(text), folder, force: false })
+    }
+
+    /// The design file's text for `out_dir`: re-runnable from there, comments kept.
+    pub fn text_for(&self, out_dir: &Path) -> Result<String, Error> {
+        let mut design = self.design.clone();
+        design.mesh.file = relative(&absolute(out_dir)?, &self.folder.join(&self.design.mesh.file));
+        match &self.text {
+            None => Ok(design.to_toml()),
+            Some(text) => Ok(design.written_over("design.toml", text)?),
+        }
+    }
+
+    /// Name of the job, for headers and captions: the mesh's file name without its ending.
+    pub fn name(&self) -> String {
+        Path::new(&self.design.mesh.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
+    }
+
+    /// Hash of what is decided, wherever the files lie: first 12 hexadecimal digits.
+    pub fn hash(&self) -> String {
+        let mut design = self.design.clone();
+        let path = Path::new(&design.mesh.file);
+        design.mesh.file = path.file_name().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        sha256(design.to_toml().as_bytes())[..12].to_owned()
+    }
+}
+
+fn overridden(mut design: Design, overrides: &Overrides) -> Design {
+    let Overrides { machine, material, stock, height_mm, up, layers, foot } = overrides.clone();
+    design.machine = machine.unwrap_or(design.machine);
+    design.material = material.unwrap_or(design.material);
+    if !stock.is_empty() {
+        design.stock = stock;
+    }
+    design.mesh.height_mm = height_mm.or(design.mesh.height_mm);
+    design.mesh.up = up.or(design.mesh.up);
+    for part in &mut design.parts {
+        part.layers = layers.or(part.layers);
+        part.foot = foot.unwrap_or(part.foot);
+    }
+    design
+}
+
+/// SHA-256 in hexadecimal.
+pub(super) fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+}

@@ -1,0 +1,205 @@
+//! The only place where machine and profile become the stages' settings.
+
+use super::Error;
+use crate::config::{self, Air, AirCode, Grain, Library, Machine, Pairing, Profile};
+use crate::design::{Design, Foot, Up};
+use crate::geom::{P2, Rect};
+use crate::progress::Warning;
+use crate::{cut, fit, gcode, mesh, nest, sim, strip, toolpath};
+
+/// Machine, material and how they go together.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// The machine.
+    pub machine: Machine,
+    /// The material.
+    pub profile: Profile,
+    /// How the one cuts the other.
+    pub pairing: Pairing,
+    /// Stock the design asks for; empty for the material's own.
+    pub stock: Vec<String>,
+    /// What the user should know about the pair.
+    pub warnings: Vec<Warning>,
+}
+
+impl Setup {
+    /// Loads and pairs what the design names.
+    pub fn new(design: &Design, library: &Library) -> Result<Setup, Error> {
+        let machine = library.machine(&design.machine)?;
+        let profile = library.profile(&design.material)?;
+        let pairing = machine.pair(&profile)?;
+        let unusable = |problem: &str| Err(Error::Machine { machine: machine.name.clone(), problem: problem.into() });
+        if machine.work_area.is_none() {
+            return unusable("has no work_area: sheets need a flat bed");
+        }
+        if !machine.tool.class.is_laser() {
+            return unusable(
+                "has no laser: take the drawings in strips/ and sheets/ of a laser job to your cutter's own program",
+            );
+        }
+        let mut warnings = pairing.warnings.clone();
+        if pairing.engrave.is_none() {
+            warnings.push(Warning::new(
+                "no-labels",
+                format!(
+                    "{} cannot mark {} legibly: nothing is engraved; parts/ shows the joint numbers",
+                    machine.name, profile.name
+                ),
+            ));
+        }
+        Ok(Setup { stock: design.stock.clone(), machine, profile, pairing, warnings })
+    }
+
+    /// What the head reaches, mm.
+    pub fn reach(&self) -> Rect {
+        let [width, height] = self.machine.reach_mm();
+        Rect::from_size(width, height)
+    }
+
+    /// The sheet along the strip: strips are cut along the grain (machine direction), where paper is stiffest and springs back best.
+    pub fn material(&self) -> sim::Material {
+        sim::Material {
+            flexural_rigidity_n_mm: self.profile.flexural_rigidity_md_n_mm,
+            membrane_stiffness_n_per_mm: self.profile.membrane_stiffness_n_per_mm,
+            grammage_g_per_m2: self.profile.grammage_g_per_m2,
+            thickness_mm: self.profile.thickness_mm,
+        }
+    }
+
+    /// How the mesh is loaded.
+    pub fn mesh(&self, design: &Design) -> mesh::Settings {
+        let [width, height] = self.machine.reach_mm();
+        let up = design.mesh.up.map(|up| match up {
+            Up::X => mesh::Up::X,
+            Up::Y => mesh::Up::Y,
+            Up::Z => mesh::Up::Z,
+        });
+        mesh::Settings { up, height_mm: design.mesh.height_mm, bed_mm: width.max(height), ..mesh::Settings::default() }
+    }
+
+    /// How it is cut.
+    pub fn cut(&self) -> cut::Settings {
+        cut::Settings::default()
+    }
+
+    /// How an outline is filled.
+    pub fn fit(&self, layers: Option<usize>, foot: Foot) -> fit::Settings {
+        let mut settings = fit::Settings {
+            foot: match foot {
+                Foot::Auto => fit::Foot::Auto,
+                Foot::Free => fit::Foot::Free,
+                Foot::Pinned => fit::Foot::Pinned,
+            },
+            min_bend_radius_mm: self.profile.min_bend_radius_mm,
+            min_void_mm: self.profile.min_void_mm,
+            ..fit::Settings::default()
+        };
+        settings.stack.layers = layers;
+        settings
+    }
+
+    /// The joint for this tool.
+    pub fn joint(&self) -> strip::Joint {
+        let joint = self.profile.joint_for(self.machine.tool.class);
+        strip::Joint {
+            min_width_mm: joint.min_width_mm,
+            neck_mm: joint.neck_mm,
+            barb_mm: joint.barb_mm,
+            neck_length_mm: joint.neck_length_mm,
+            head_length_mm: joint.head_length_mm,
+            tip_width_mm: joint.tip_width_mm,
+            tip_radius_mm: joint.tip_radius_mm,
+            shoulder_undercut_rad: joint.shoulder_undercut_deg.to_radians(),
+            corner_radius_mm: joint.corner_radius_mm,
+            hook_radius_mm: joint.hook_radius_mm.unwrap_or(0.0),
+            slit_length_mm: joint.slit_length_mm(),
+            slit_width_mm: joint.slit_width_mm.unwrap_or(0.0),
+            slit_ahead_mm: joint.slit_ahead_mm,
+            edge_distance_mm: joint.edge_distance_mm,
+            cut_distance_mm: joint.cut_distance_mm,
+            end_tab_mm: joint.end_tab_mm,
+        }
+    }
+
+    /// How strips become pieces of at most `max_piece_mm`.
+    pub fn strip(&self, max_piece_mm: f64) -> strip::Settings {
+        strip::Settings {
+            joint: self.joint(),
+            max_piece_mm,
+            splice_overlap_mm: self.profile.splice.lap_mm,
+            label_mm: self.pairing.engrave.as_ref().map(|_| self.profile.min_label_height_mm),
+            grammage_g_per_m2: self.profile.grammage_g_per_m2,
+        }
+    }
+
+    /// How pieces are placed.
+    pub fn nest(&self) -> nest::Settings {
+        nest::Settings { spacing_mm: self.profile.spacing_mm, margin_mm: self.profile.margin_mm }
+    }
+
+    /// Turns a piece may take on a sheet whose grain runs along x, degrees.
+    pub fn angles_deg(&self) -> Vec<f64> {
+        match self.profile.grain {
+            Grain::Directional => vec![0.0, 180.0],
+            Grain::None => vec![0.0, 180.0, 90.0, 270.0],
+        }
+    }
+
+    /// How a sheet is cut. Where nothing is engraved there are no engraved paths either, and the cut's values stand in.
+    pub fn toolpath(&self) -> toolpath::Settings {
+        let process = |p: &config::Process| toolpath::Process {
+            feed_mm_per_min: p.feed_mm_per_min,
+            power: p.power,
+            air: match p.air {
+                Air::Off => toolpath::Air::Off,
+                Air::Low => toolpath::Air::Low,
+                Air::High => toolpath::Air::High,
+            },
+            passes: p.passes,
+        };
+        let cut = process(&self.pairing.cut);
+        toolpath::Settings {
+            kerf_mm: self.pairing.cut.kerf_mm,
+            engrave: self.pairing.engrave.as_ref().map_or(cut, process),
+            cut_inner: cut,
+            cut_outline: cut,
+            work_area: self.reach(),
+            park: P2::origin(),
+        }
+    }
+
+    /// What the controller wants to read.
+    pub fn dialect(&self) -> gcode::Dialect {
+        let word = |code: AirCode| match code {
+            AirCode::M7 => 7,
+            AirCode::M8 => 8,
+        };
+        gcode::Dialect {
+            max_s: self.machine.controller.max_s,
+            constant_power: !self.machine.controller.laser_mode,
+            air: self.machine.air.as_ref().map(|a| gcode::AirWords { low: word(a.low), high: word(a.high) }),
+        }
+    }
+
+    /// What the machine permits.
+    pub fn check(&self) -> gcode::CheckSettings {
+        let controller = &self.machine.controller;
+        gcode::CheckSettings {
+            work_area: self.reach(),
+            max_s: controller.max_s,
+            max_rate_mm_per_min: controller.max_rate_mm_per_min,
+        }
+    }
+
+    /// How fast it moves.
+    pub fn limits(&self) -> gcode::Limits {
+        let controller = &self.machine.controller;
+        gcode::Limits {
+            max_rate_mm_per_min: controller.max_rate_mm_per_min,
+            acceleration_mm_per_s2: controller.acceleration_mm_per_s2,
+            junction_deviation_mm: controller.junction_deviation_mm,
+            arc_tolerance_mm: controller.arc_tolerance_mm,
+            planner_blocks: controller.planner_blocks as usize,
+        }
+    }
+}

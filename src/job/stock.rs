@@ -1,0 +1,161 @@
+//! Which sheets are cut from: names and sizes become containers within the machine's reach.
+
+use super::Error;
+use super::settings::Setup;
+use crate::config::{Grain, Profile, StockGrain};
+use crate::nest::Container;
+use crate::progress::Warning;
+
+/// One kind of sheet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sheet {
+    /// "A4", "500x300".
+    pub name: String,
+    /// Along x on the machine, mm.
+    pub width_mm: f64,
+    /// Along y on the machine, mm.
+    pub height_mm: f64,
+    /// How many there are; `None` for as many as needed.
+    pub count: Option<u32>,
+    /// How the grain runs.
+    pub grain: StockGrain,
+}
+
+/// Reads `A4`, `A4@3`, `420x297` or `500x300@4` (mm; @ how many).
+pub fn parse_stock(given: &str, profile: &Profile) -> Result<Sheet, Error> {
+    let (size, count) = match given.split_once('@') {
+        None => (given, None),
+        Some((size, count)) => match count.trim().parse::<u32>() {
+            Ok(n) if n > 0 => (size, Some(n)),
+            _ => return Err(unknown(given, profile)),
+        },
+    };
+    let named = profile.stock.iter().find(|s| s.name.eq_ignore_ascii_case(size.trim()));
+    if let Some(stock) = named
+        && let Some([width_mm, height_mm]) = stock.size_mm
+    {
+        let name = stock.name.clone();
+        return Ok(Sheet { name, width_mm, height_mm, count: count.or(stock.count), grain: stock.grain });
+    }
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
+    let sides = size.split_once(['x', 'X']).and_then(|(w, h)| Some((number(w)?, number(h)?)));
+    let (width_mm, height_mm) = sides.or_else(|| paper_size(size.trim())).ok_or_else(|| unknown(given, profile))?;
+    Ok(Sheet { name: size.trim().to_owned(), width_mm, height_mm, count, grain: StockGrain::Unknown })
+}
+
+/// ISO 216 A sizes, landscape, mm: known to everybody whether the profile lists them or not.
+fn paper_size(name: &str) -> Option<(f64, f64)> {
+    match name.to_ascii_uppercase().as_str() {
+        "A5" => Some((210.0, 148.0)),
+        "A4" => Some((297.0, 210.0)),
+        "A3" => Some((420.0, 297.0)),
+        "A2" => Some((594.0, 420.0)),
+        _ => None,
+    }
+}
+
+fn unknown(given: &str, profile: &Profile) -> Error {
+    let known: Vec<&str> = profile.stock.iter().filter(|s| s.size_mm.is_some()).map(|s| s.name.as_str()).collect();
+    Error::UnknownStock { given: given.into(), profile: profile.name.clone(), known: known.join(", ") }
+}
+
+/// Sheets the design asks for, or all the material offers, each laid so that its grain runs along x, the way strips run.
+pub(super) fn sheets(setup: &Setup) -> Result<Vec<Sheet>, Error> {
+    let profile = &setup.profile;
+    let names: Vec<String> = if setup.stock.is_empty() {
+        profile.stock.iter().filter(|s| s.size_mm.is_some()).map(|s| s.name.clone()).collect()
+    } else {
+        setup.stock.clone()
+    };
+    let mut sheets = names.iter().map(|n| parse_stock(n, profile)).collect::<Result<Vec<Sheet>, Error>>()?;
+    for sheet in &mut sheets {
+        let upright = sheet.height_mm > sheet.width_mm;
+        let grain_along_y = match sheet.grain {
+            StockGrain::Long | StockGrain::Unknown => upright,
+            StockGrain::Short => !upright,
+        };
+        if profile.grain == Grain::Directional && grain_along_y {
+            (sheet.width_mm, sheet.height_mm) = (sheet.height_mm, sheet.width_mm);
+        }
+    }
+    if sheets.is_empty() {
+        return Err(Error::NoStock { profile: profile.name.clone(), machine: setup.machine.name.clone() });
+    }
+    Ok(sheets)
+}
+
+/// The part of a sheet the head reaches when the sheet lies in the stop corner.
+pub(super) fn container(sheet: &Sheet, setup: &Setup) -> Container {
+    let reach = setup.reach();
+    Container::Sheet {
+        name: sheet.name.clone(),
+        width_mm: sheet.width_mm.min(reach.width()),
+        height_mm: sheet.height_mm.min(reach.height()),
+        count: sheet.count,
+    }
+}
+
+/// A piece that exactly fills a container does not go in: placing allows for rounding. Pieces are made this much shorter, mm.
+const FIT_SLACK_MM: f64 = 0.1;
+
+/// Longest piece that fits a sheet along its grain, mm.
+pub(super) fn longest_piece_mm(sheet: &Sheet, setup: &Setup) -> f64 {
+    let size = container(sheet, setup).size_mm();
+    let along = if setup.profile.grain == Grain::Directional { size.x } else { size.x.max(size.y) };
+    along - 2.0 * setup.profile.margin_mm - FIT_SLACK_MM
+}
+
+/// What the user should know about the sheets that were used.
+pub(super) fn warnings(used: &[&Sheet], setup: &Setup) -> Vec<Warning> {
+    let reach = setup.reach();
+    let mut warnings = Vec::new();
+    for sheet in used {
+        let over = (sheet.width_mm - reach.width()).max(sheet.height_mm - reach.height());
+        if over > 0.0 {
+            warnings.push(Warning::new(
+                "stock-overhangs",
+                format!(
+                    "a sheet of {} hangs over {}'s reach by {over:.0} mm: the machine must be open on that side, or use smaller stock",
+                    sheet.name, setup.machine.name
+                ),
+            ));
+        }
+    }
+    if setup.profile.grain == Grain::Directional && used.iter().any(|s| s.grain == StockGrain::Unknown) {
+        warnings.push(Warning::new(
+            "grain-unknown",
+            format!(
+                "all strips run along the long side of the sheet, and {} is taken to be stiffest that way: tear a corner (it tears straight along the grain) and turn the sheets if not",
+                setup.profile.name
+            ),
+        ));
+    }
+    warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Library;
+
+    fn paper() -> Profile {
+        Library::built_in().profile("paper-160").unwrap()
+    }
+
+    #[test]
+    fn stock_is_read_by_name_and_by_size() {
+        let a4 = parse_stock("a4@3", &paper()).unwrap();
+        assert_eq!((a4.width_mm, a4.height_mm, a4.count), (297.0, 210.0, Some(3)));
+        let own = parse_stock("500 x 300@2", &paper()).unwrap();
+        assert_eq!((own.width_mm, own.height_mm, own.count), (500.0, 300.0, Some(2)));
+        assert_eq!(parse_stock("A2", &paper()).unwrap().width_mm, 594.0);
+    }
+
+    #[test]
+    fn what_is_no_stock_is_refused_with_what_there_is() {
+        for given in ["A9", "x", "0x10", "-5x10", "A4@0", "A4@", "nanx3", ""] {
+            let message = parse_stock(given, &paper()).unwrap_err().to_string();
+            assert!(message.contains("A4, A3"), "{given}: {message}");
+        }
+    }
+}
