@@ -71,7 +71,7 @@ pub(super) fn run(args: Args) -> Result<(), Failure> {
         machine: args.machine.clone(),
         material: args.material.clone(),
         stock: args.stock.clone(),
-        height_mm: checked_height(args.height_mm)?,
+        height_mm: args.height_mm,
         up: args.up.map(|up| match up {
             Up::X => design::Up::X,
             Up::Y => design::Up::Y,
@@ -103,15 +103,6 @@ pub(super) fn run(args: Args) -> Result<(), Failure> {
     screen.bar.finish_and_clear();
     let made = made?;
     if args.json { output::json(&made.report) } else { tell(&made, &out) }
-}
-
-fn checked_height(height_mm: Option<f64>) -> Result<Option<f64>, Failure> {
-    match height_mm {
-        Some(h) if !(h.is_finite() && h > 0.0) => {
-            Err(Failure::config(format!("--height-mm {h}: the height must be a positive number of mm")))
-        }
-        height => Ok(height),
-    }
 }
 
 fn default_folder(shape: &Path, is_design: bool) -> PathBuf {
@@ -196,11 +187,11 @@ fn tell(made: &Made, out: &Path) -> Result<(), Failure> {
     output::line(&format!("\n{}", output::table(&rows)))?;
     let totals = &report.totals;
     output::line(&format!(
-        "\n{} on {}: {} pieces on {} sheets, {:.1} g, {} of cutting",
+        "\n{} on {}: {} on {}, {:.1} g, {} of cutting",
         report.material,
         report.machine,
-        report.pieces.len(),
-        totals.sheets,
+        output::count(report.pieces.len(), "piece"),
+        output::count(totals.sheets, "sheet"),
         totals.mass_g,
         minutes(totals.time_s)
     ))?;

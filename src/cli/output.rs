@@ -55,6 +55,11 @@ pub(super) fn own_folder(library: &Library, kind: Kind) -> Result<(), Failure> {
     }
 }
 
+/// "1 sheet", "3 sheets".
+pub(super) fn count(n: usize, noun: &str) -> String {
+    if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
+}
+
 /// A share of 1 as people say it: 0.35 is 35 %.
 pub(super) fn percent(share: f64) -> String {
     format!("{} %", number(share * 100.0))

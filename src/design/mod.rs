@@ -146,7 +146,8 @@ impl Design {
         format!("# Made by furbelow; change what you like and run: furbelow make design.toml\n{body}")
     }
 
-    fn check(&self, file: &str) -> Result<(), Error> {
+    /// Refuses values that make no sense; `file` is where they came from, for messages.
+    pub fn check(&self, file: &str) -> Result<(), Error> {
         if self.schema != SCHEMA {
             return Err(Error::Schema { file: file.into(), found: self.schema });
         }

@@ -68,7 +68,31 @@ impl Solid {
         for (node, span) in bridged(ruffle, &seen) {
             seen[node] = Some(span);
         }
-        seen.into_iter().map(|span| span.unwrap_or(Span { lo: 0.0, hi: 0.0 }).at_least(self.min_width_mm)).collect()
+        let whole = |span: Option<Span>| span.unwrap_or(Span { lo: 0.0, hi: 0.0 }).at_least(self.min_width_mm);
+        eased(ruffle, seen.into_iter().map(whole).collect())
+    }
+}
+
+/// Steepest rise of an edge, mm across per mm along the strip. A loop that grazes the silhouette would else cut a notch into the strip as sharp as a knife's:
+/// a tear waiting to run, and narrower at its bottom than the tool.
+const MAX_SLOPE: f64 = 2.0;
+
+/// Spans widened until no edge rises more steeply than [`MAX_SLOPE`]: notches are filled, nothing is cut away.
+fn eased(ruffle: &Ruffle, mut spans: Vec<Span>) -> Vec<Span> {
+    // A wide place reaches its neighbours in one sweep each way; where the strip meets itself it reaches other passes, which takes another round.
+    loop {
+        let before = spans.clone();
+        let forward: Vec<(usize, usize)> = ruffle.segments().collect();
+        let steps = forward.iter().copied().zip(ruffle.rest_lengths.iter().copied());
+        let backward = forward.iter().map(|(i, j)| (*j, *i)).zip(ruffle.rest_lengths.iter().copied()).rev();
+        for ((from, to), length) in steps.chain(backward) {
+            let wide = spans[from];
+            spans[to].lo = spans[to].lo.min(wide.lo + MAX_SLOPE * length);
+            spans[to].hi = spans[to].hi.max(wide.hi - MAX_SLOPE * length);
+        }
+        if spans == before {
+            return spans;
+        }
     }
 }
 
@@ -137,7 +161,7 @@ mod tests {
         let thin = cuboid(P3::new(0.0, -5.0, -5.0), V3::new(10.0, 10.0, 10.0));
         let thick = cuboid(P3::new(20.0, -5.0, -5.0), V3::new(10.0, 10.0, 30.0));
         let extruder = seen(&crate::mesh::samples::together(&[thin, thick]), 2.0);
-        let ruffle = strip(&[0, 1, 2, 3, 4], &[5.0, 1.0, 3.0, 8.0]);
+        let ruffle = strip(&[0, 1, 2, 3, 4], &[50.0, 10.0, 30.0, 80.0]);
         let spans = extruder.spans(&ruffle, &line(&[-3.0, 9.0, 15.0, 21.0, 40.0]));
         let his: Vec<f64> = spans.iter().map(|s| s.hi).collect();
         assert_eq!(his, [5.0, 5.0, 10.0, 25.0, 25.0]);
@@ -150,7 +174,7 @@ mod tests {
         let thick = cuboid(P3::new(20.0, -5.0, -5.0), V3::new(10.0, 10.0, 30.0));
         let extruder = seen(&crate::mesh::samples::together(&[thin, thick]), 2.0);
         // First passed between the slabs half way (15), then again at the end, past the thick one (25).
-        let ruffle = strip(&[0, 1, 2, 1], &[1.0, 1.0, 1.0]);
+        let ruffle = strip(&[0, 1, 2, 1], &[10.0, 10.0, 10.0]);
         let spans = extruder.spans(&ruffle, &line(&[5.0, 15.0, 25.0]));
         assert_eq!(spans[1], Span { lo: -5.0, hi: 20.0 });
     }
@@ -163,9 +187,18 @@ mod tests {
         let spans = extruder.spans(&strip(&walk, &vec![0.25; us.len() - 1]), &line(&us));
         assert!((spans[0].width() - 100.0).abs() < 0.2);
         for pair in spans.windows(2) {
-            assert!(pair[1].width() <= pair[0].width() + 1e-9 && pair[0].width() - pair[1].width() < 5.0);
+            let step = pair[0].width() - pair[1].width();
+            assert!((-1e-9..=0.5 * MAX_SLOPE + 1e-9).contains(&step), "{pair:?}");
         }
         assert!((spans[220].width() - 12.0).abs() < 1e-9 && spans[220].middle().abs() < 0.1);
+    }
+
+    #[test]
+    fn a_notch_is_filled_to_the_steepest_slope_and_nothing_is_cut_away() {
+        let ruffle = strip(&[0, 1, 2, 3, 1], &[10.0; 4]);
+        let spans = [30.0, 5.0, 5.0, 40.0].map(|w| Span { lo: -w, hi: w }).to_vec();
+        let his: Vec<f64> = eased(&ruffle, spans).iter().map(|s| s.hi).collect();
+        assert_eq!(his, [30.0, 20.0, 20.0, 40.0]);
     }
 
     #[test]

@@ -7,9 +7,8 @@ pub use report::{FootUsed, Report, warnings};
 
 use crate::cut::{Outline, PlaneFrame};
 use crate::extrude::{Extruder, Span};
-use crate::geom::P2;
 use crate::progress::{Observer, Progress, Quiet};
-use crate::ruffle::{Drawn, Ruffle, StackError, StackSettings, draw_stack};
+use crate::ruffle::{Drawn, Layering, Ruffle, StackError, StackSettings, draw_stack};
 use crate::sim::{self, Equilibrium, Material, Outcome, Solver, Supports};
 use std::ops::ControlFlow;
 
@@ -43,10 +42,10 @@ pub enum Foot {
 /// How to fill.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    /// How stacks are drawn; `aspect` is the first that is tried.
+    /// How stacks are drawn; its layering is the first that is tried.
     pub stack: StackSettings,
-    /// Further layer-height-to-width ratios to try. Each costs a few dozen milliseconds; outlines differ in which they like.
-    pub other_aspects: Vec<f64>,
+    /// Further layerings to try. Each costs a few dozen milliseconds; outlines differ in which they like.
+    pub other_layerings: Vec<Layering>,
     /// How the foot stands.
     pub foot: Foot,
     /// Rounds of length updates per start.
@@ -73,7 +72,12 @@ impl Default for Settings {
     fn default() -> Self {
         Settings {
             stack: StackSettings::default(),
-            other_aspects: vec![0.28, 0.45],
+            other_layerings: vec![
+                Layering::Chords { aspect: 0.28 },
+                Layering::Chords { aspect: 0.45 },
+                Layering::Packed { min_aspect: 0.16 },
+                Layering::Packed { min_aspect: 0.25 },
+            ],
             foot: Foot::Auto,
             rounds: 8,
             outer_gain: 0.4,
@@ -160,7 +164,7 @@ pub fn fit(target: &Target, settings: &Settings, observer: &mut dyn Observer) ->
     let Some(best) = best else {
         return Err(Error::Unsettled { part: target.name.into(), tried: starts.len() * feet.len(), residual_n });
     };
-    Ok(part(target, best))
+    Ok(best.part)
 }
 
 /// Solves a part once more with the widths the strip has where it lies now. Filling changes lengths from round to round and so bends the strip with the widths
@@ -174,12 +178,12 @@ pub fn settle(target: &Target, settings: &Settings, filled: Part) -> Result<Part
         return Ok(filled);
     }
     let spans = target.extruder.spans(&filled.ruffle, &equilibrium.positions);
-    Ok(part(target, Candidate { ruffle: filled.ruffle, spans, equilibrium, foot, score: 0.0 }))
+    Ok(part(target, filled.ruffle, spans, equilibrium, foot))
 }
 
-fn part(target: &Target, candidate: Candidate) -> Part {
-    let report = report::measure(target, &candidate);
-    let Candidate { ruffle, spans, equilibrium, .. } = candidate;
+/// Measures a settled ruffle and makes a part of it.
+fn part(target: &Target, ruffle: Ruffle, spans: Vec<Span>, equilibrium: Equilibrium, foot: FootUsed) -> Part {
+    let report = report::measure(target, &ruffle, &spans, &equilibrium, foot);
     Part {
         name: target.name.into(),
         frame: *target.frame,
@@ -206,25 +210,26 @@ fn solver(
     Solver::new(ruffle, &widths(spans), target.material, &supports, &settings)
 }
 
-/// Drawings to start from, one per distinct layer count.
+/// Drawings to start from. A layering that finds no place is passed over as long as another does.
 fn starts(target: &Target, settings: &Settings) -> Result<Vec<Drawn>, Error> {
     let mut starts: Vec<Drawn> = Vec::new();
-    for aspect in std::iter::once(settings.stack.aspect).chain(settings.other_aspects.iter().copied()) {
-        let drawn = draw_stack(target.outline, &StackSettings { aspect, ..settings.stack })
-            .map_err(|source| Error::Stack { part: target.name.into(), source })?;
-        if !starts.iter().any(|s| s.ruffle.sections.len() == drawn.ruffle.sections.len()) {
-            starts.push(drawn);
+    let mut refused = None;
+    for layering in std::iter::once(settings.stack.layering).chain(settings.other_layerings.iter().copied()) {
+        match draw_stack(target.outline, &StackSettings { layering, ..settings.stack }) {
+            Ok(drawn) if starts.contains(&drawn) => {}
+            Ok(drawn) => starts.push(drawn),
+            Err(source) => refused = refused.or(Some(source)),
         }
     }
-    Ok(starts)
+    match refused {
+        Some(source) if starts.is_empty() => Err(Error::Stack { part: target.name.into(), source }),
+        _ => Ok(starts),
+    }
 }
 
-/// A settled ruffle and how good it is.
+/// A filled part and how good it is.
 struct Candidate {
-    ruffle: Ruffle,
-    spans: Vec<Span>,
-    equilibrium: Equilibrium,
-    foot: FootUsed,
+    part: Part,
     /// Lower is better.
     score: f64,
 }
@@ -274,28 +279,39 @@ impl Search<'_> {
     }
 
     fn consider(&mut self, ruffle: &Ruffle, spans: &[Span], equilibrium: Equilibrium, foot: FootUsed) {
-        let coverage = report::region(ruffle, &equilibrium.positions).coverage(self.target.outline.loops());
-        let glue = if foot == FootUsed::Pinned { self.settings.free_foot_bonus } else { 0.0 };
-        // A ruffle that passes through itself cannot be made as computed: each crossing outweighs ten points of coverage.
-        let crossings = 0.1 * equilibrium.self_intersections as f64;
-        let score = coverage.uncovered_fraction()
-            + self.settings.protrusion_weight * coverage.protruding_fraction()
-            + glue
-            + crossings;
+        let part = part(self.target, ruffle.clone(), spans.to_vec(), equilibrium, foot);
+        let score = self.score(&part);
         if self.best.as_ref().is_none_or(|b| score < b.score) {
-            self.best = Some(Candidate { ruffle: ruffle.clone(), spans: spans.to_vec(), equilibrium, foot, score });
+            self.best = Some(Candidate { part, score });
         }
     }
 
+    /// How far a part is from full and easy to make, as a share of the outline.
+    fn score(&self, part: &Part) -> f64 {
+        let (report, settings) = (&part.report, self.settings);
+        let glue = if report.foot == FootUsed::Pinned { settings.free_foot_bonus } else { 0.0 };
+        let shortfall = |value: f64, least: f64| if value < least { 1.0 - value / least } else { 0.0 };
+        report.uncovered_fraction
+            + settings.protrusion_weight * report.protruding_fraction
+            + glue
+            // Coverage does not see what is inside: a ruffle that passes through itself will fold otherwise, a layer that has collapsed cannot be assembled,
+            // a crease is a hinge.
+            + CROSSING_COST * part.equilibrium.self_intersections as f64
+            + MAKEABLE_COST * shortfall(report.min_void_mm, settings.min_void_mm)
+            + MAKEABLE_COST * shortfall(report.min_radius_mm, settings.min_bend_radius_mm)
+    }
+
     fn report_progress(&mut self) -> ControlFlow<()> {
-        let note = self.best.as_ref().map_or(String::new(), |b| {
-            let region = report::region(&b.ruffle, &b.equilibrium.positions);
-            let filled = 1.0 - region.coverage(self.target.outline.loops()).uncovered_fraction();
-            format!("{:.0} % filled", 100.0 * filled)
-        });
+        let filled = |b: &Candidate| format!("{:.0} % filled", 100.0 * (1.0 - b.part.report.uncovered_fraction));
+        let note = self.best.as_ref().map_or(String::new(), filled);
         self.observer.step(Progress { stage: "filling", done: self.done, total: self.total, note })
     }
 }
+
+/// Outline share that one crossing outweighs.
+const CROSSING_COST: f64 = 0.1;
+/// Outline share that a void or a bend radius of nothing outweighs.
+const MAKEABLE_COST: f64 = 0.15;
 
 /// Passes a solve's progress on as the search's own. A stop ends the search once something has settled; before that, the solve goes on, since there would be
 /// nothing to keep.
@@ -311,18 +327,13 @@ impl Observer for Inner<'_, '_> {
 }
 
 fn widths(spans: &[Span]) -> Vec<f64> {
-    spans.iter().map(|s| s.hi - s.lo).collect()
-}
-
-/// Segments of a settled ruffle as point pairs.
-fn placed_segments(ruffle: &Ruffle, positions: &[P2]) -> Vec<(P2, P2)> {
-    ruffle.segments().map(|(i, j)| (positions[i], positions[j])).collect()
+    spans.iter().map(Span::width).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{P3, V3};
+    use crate::geom::{P2, P3, V3};
     use crate::progress::Warning;
 
     fn frame() -> PlaneFrame {

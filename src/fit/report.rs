@@ -1,10 +1,11 @@
 //! What a fitted part amounts to: how full, how long, how tight, how reachable.
 
-use super::{Candidate, Part, Settings, Target, placed_segments};
-use crate::geom::{Enclosed, P2, convex_hull, enclosed, signed_area};
+use super::{Part, Settings, Target};
+use crate::extrude::Span;
+use crate::geom::{P2, convex_hull, enclosed, signed_area};
 use crate::progress::Warning;
 use crate::ruffle::Ruffle;
-use crate::sim::Outcome;
+use crate::sim::{Equilibrium, Outcome};
 
 /// How the bottom rung stands in the result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -44,20 +45,23 @@ pub struct Report {
 /// Voids smaller than this, mm², are the wedges where two sheets part from a connection point, not rooms.
 const LEAST_VOID_MM2: f64 = 20.0;
 
-/// The region a settled ruffle encloses.
-pub(super) fn region(ruffle: &Ruffle, positions: &[P2]) -> Enclosed {
-    enclosed(&placed_segments(ruffle, positions))
-}
-
-/// Measures a candidate.
-pub(super) fn measure(target: &Target, candidate: &Candidate) -> Report {
-    let Candidate { ruffle, spans, equilibrium, foot, .. } = candidate;
+/// Measures a settled ruffle.
+pub(super) fn measure(
+    target: &Target,
+    ruffle: &Ruffle,
+    spans: &[Span],
+    equilibrium: &Equilibrium,
+    foot: FootUsed,
+) -> Report {
     let positions = &equilibrium.positions;
-    let region = region(ruffle, positions);
+    let segments: Vec<(P2, P2)> = ruffle.segments().map(|(i, j)| (positions[i], positions[j])).collect();
+    let region = enclosed(&segments);
     let coverage = region.coverage(target.outline.loops());
-    let width = |i: usize| spans[i].hi - spans[i].lo;
-    let area_mm2: f64 =
-        ruffle.segments().zip(&ruffle.rest_lengths).map(|((i, j), l)| 0.5 * (width(i) + width(j)) * l).sum();
+    let area_mm2: f64 = ruffle
+        .segments()
+        .zip(&ruffle.rest_lengths)
+        .map(|((i, j), l)| 0.5 * (spans[i].width() + spans[j].width()) * l)
+        .sum();
     let (min_radius_mm, tightest_section) = tightest_bend(ruffle, positions);
     let (min_void_mm, thinnest_void) = region
         .rooms
@@ -70,7 +74,7 @@ pub(super) fn measure(target: &Target, candidate: &Candidate) -> Report {
         uncovered_fraction: coverage.uncovered_fraction(),
         protruding_fraction: coverage.protruding_fraction(),
         covered: region.loops,
-        foot: *foot,
+        foot,
         strip_length_mm: ruffle.strip_length(),
         strip_mass_g: area_mm2 * 1e-6 * target.material.grammage_g_per_m2,
         min_radius_mm,

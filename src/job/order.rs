@@ -56,7 +56,7 @@ impl Order {
             mesh: MeshSource { file, sha256: Some(sha256(&bytes)), up: None, height_mm: None },
             parts: vec![PartDesign { name: "A".into(), plane: None, layers: None, foot: Foot::Auto }],
         };
-        Ok(Order { design: overridden(design, overrides), text: None, folder, force: false })
+        Ok(Order { design: overridden(design, overrides)?, text: None, folder, force: false })
     }
 
     /// A design file.
@@ -65,7 +65,7 @@ impl Order {
         let design = Design::parse(&path.display().to_string(), &text)?;
         let path = absolute(path)?;
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
-        Ok(Order { design: overridden(design, overrides), text: Some(text), folder, force: false })
+        Ok(Order { design: overridden(design, overrides)?, text: Some(text), folder, force: false })
     }
 
     /// The design file's text for `out_dir`: re-runnable from there, comments kept.
@@ -92,7 +92,7 @@ impl Order {
     }
 }
 
-fn overridden(mut design: Design, overrides: &Overrides) -> Design {
+fn overridden(mut design: Design, overrides: &Overrides) -> Result<Design, Error> {
     let Overrides { machine, material, stock, height_mm, up, layers, foot } = overrides.clone();
     design.machine = machine.unwrap_or(design.machine);
     design.material = material.unwrap_or(design.material);
@@ -105,7 +105,8 @@ fn overridden(mut design: Design, overrides: &Overrides) -> Design {
         part.layers = layers.or(part.layers);
         part.foot = foot.unwrap_or(part.foot);
     }
-    design
+    design.check("command line")?;
+    Ok(design)
 }
 
 /// SHA-256 in hexadecimal.

@@ -95,6 +95,10 @@ impl Setup {
             ..fit::Settings::default()
         };
         settings.stack.layers = layers;
+        // A loop of height h bends to about h / 3 where it is tightest, and its diagonal leaves voids of about h / 2.
+        let makeable = (3.0 * self.profile.min_bend_radius_mm).max(2.0 * self.profile.min_void_mm);
+        settings.stack.min_layer_mm = settings.stack.min_layer_mm.max(makeable);
+        settings.stack.max_layer_mm = settings.stack.max_layer_mm.max(makeable);
         settings
     }
 

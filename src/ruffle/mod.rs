@@ -4,10 +4,13 @@
 //! before (or ends on one), the strip touches itself there, and that node is a connection point.
 
 mod check;
+mod chords;
+mod ladder;
+mod packed;
 mod stack;
 
 pub use check::Flaw;
-pub use stack::{Drawn, StackError, StackSettings, draw_stack};
+pub use stack::{Drawn, Layering, StackError, StackSettings, draw_stack};
 
 use serde::{Deserialize, Serialize};
 

@@ -80,10 +80,10 @@ impl Pattern {
             held[self.place[i]] = *f;
         }
         for column in 0..self.unknowns() {
-            for slot in self.starts[column]..self.starts[column + 1] {
-                let row = self.rows[slot];
-                if held[row] || held[column] {
-                    values[slot] = if row == column { 1.0 } else { 0.0 };
+            let slots = self.starts[column]..self.starts[column + 1];
+            for (value, row) in values[slots.clone()].iter_mut().zip(&self.rows[slots]) {
+                if held[*row] || held[column] {
+                    *value = if *row == column { 1.0 } else { 0.0 };
                 }
             }
         }
@@ -203,13 +203,14 @@ impl Factorisation for LdlT {
             let mut top = n;
             visited[k] = k;
             let mut own = 0.0;
-            for slot in self.pattern.starts[k]..self.pattern.starts[k + 1] {
-                let mut i = self.pattern.rows[slot];
+            let slots = self.pattern.starts[k]..self.pattern.starts[k + 1];
+            for (value, row) in values[slots.clone()].iter().zip(&self.pattern.rows[slots]) {
+                let mut i = *row;
                 if i == k {
-                    own = values[slot];
+                    own = *value;
                     continue;
                 }
-                y[i] += values[slot];
+                y[i] += value;
                 let mut length = 0;
                 while visited[i] != k {
                     touched[length] = i;

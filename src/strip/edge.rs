@@ -1,7 +1,7 @@
 //! The two long edges of a strip.
 
 use crate::fit::Part;
-use crate::geom::{P2, Path, closest_on_segment};
+use crate::geom::{P2, Path, closest_on_segment, cross};
 use std::ops::Range;
 
 /// How far the strip reaches across at every station, end tabs included.
@@ -17,6 +17,9 @@ pub(super) struct Edges {
 
 /// Corners that lie this close to the line of their neighbours are left out, mm: far below a kerf, and every corner costs a controller a block.
 const SIMPLIFY_MM: f64 = 0.005;
+
+/// Corners that turn into the strip are rounded by this radius, mm, as far as their neighbours allow: a sharp one starts a tear.
+const INNER_RADIUS_MM: f64 = 2.0;
 
 impl Edges {
     /// Edges of the strip of `part`, with `end_tab_mm` of strip beyond each end.
@@ -75,7 +78,14 @@ impl Edges {
         stations.push(range.end);
         let lower: Vec<P2> = stations.iter().map(|s| P2::new(*s, self.at(*s).0)).collect();
         let upper: Vec<P2> = stations.iter().rev().map(|s| P2::new(*s, self.at(*s).1)).collect();
-        Path::closed(simplified(&lower).into_iter().chain(simplified(&upper)))
+        let corners: Vec<P2> = simplified(&lower).into_iter().chain(simplified(&upper)).collect();
+        let n = corners.len();
+        let radius = |i: usize| {
+            let (before, at, after) = (corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]);
+            if cross(at - before, after - at) < 0.0 { INNER_RADIUS_MM } else { 0.0 }
+        };
+        let rounded: Vec<(P2, f64)> = (0..n).map(|i| (corners[i], radius(i))).collect();
+        Path::rounded(&rounded, true).deduplicated()
     }
 }
 

@@ -4,7 +4,7 @@ use super::edge::Edges;
 use super::joint::Joint;
 use crate::drawing::{DrawnPath, KerfSide, Role};
 use crate::fit::Part;
-use crate::geom::{Motion, P2, Rect, V2};
+use crate::geom::{Motion, P2, Rect, V2, tolerance};
 use crate::progress::Warning;
 use crate::ruffle::ConnectionPoint;
 use std::f64::consts::PI;
@@ -55,32 +55,16 @@ impl Fastening {
 pub(super) fn fastenings(part: &Part, edges: &Edges, joint: &Joint) -> (Vec<Fastening>, Vec<Warning>) {
     let stations = part.ruffle.stations();
     let (mut fastenings, mut warnings) = (Vec::new(), Vec::new());
+    let mut narrow: Vec<(f64, String)> = Vec::new();
     for connection in part.ruffle.connection_points() {
         let name = format!("{}{}", part.name, connection.joint);
         let flap_pass = flap_pass(part, &connection);
+        let Bed { lo, hi, ahead } = bed(&connection, flap_pass, &stations, edges, joint);
         // Neighbouring passes run in opposite directions, so what points ahead on one points back on the next.
-        let direction = |pass: usize| if (pass + flap_pass).is_multiple_of(2) { 1.0 } else { -1.0 };
-        let reach = joint.reach_mm() + joint.hook_radius_mm;
-        let (mut lo, mut hi) = (f64::NEG_INFINITY, f64::INFINITY);
-        for k in &connection.passes {
-            let window = (stations[*k] - reach).max(edges.range().start)..(stations[*k] + reach).min(edges.range().end);
-            let band = edges.band(window);
-            (lo, hi) = (lo.max(band.0), hi.min(band.1));
-        }
+        let direction = |pass: usize| if (pass + flap_pass).is_multiple_of(2) { ahead } else { -ahead };
         let width = hi - lo;
-        if width < joint.min_width_mm {
-            warnings.push(
-                Warning::new(
-                    "joint-narrow",
-                    format!(
-                        "joint {name} has {:.1} mm of strip in common, its flap needs {:.1} mm; expect it to tear out. Make the shape larger or deeper",
-                        width.max(0.0),
-                        joint.min_width_mm
-                    ),
-                )
-                .in_part(&part.name)
-                .at(format!("joint {name}")),
-            );
+        if width < joint.min_width_mm - tolerance::LIMIT_SLACK_MM {
+            narrow.push((width.max(0.0), name.clone()));
         }
         let count = joint.count(width);
         let across_mm: Vec<f64> = (0..count).map(|i| lo + width * (2 * i + 1) as f64 / (2 * count) as f64).collect();
@@ -93,6 +77,20 @@ pub(super) fn fastenings(part: &Part, edges: &Edges, joint: &Joint) -> (Vec<Fast
                 across_mm: across_mm.clone(),
             });
         }
+    }
+    if let Some((width, name)) = narrow.iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
+        let names: Vec<&str> = narrow.iter().map(|(_, name)| name.as_str()).collect();
+        warnings.push(
+            Warning::new(
+                "joint-narrow",
+                format!(
+                    "too little strip for the flap: {width:.1} mm at joint {name}, {:.0} mm are needed or it may tear out. Make the shape larger or deeper",
+                    joint.min_width_mm
+                ),
+            )
+            .in_part(&part.name)
+            .at(format!("joint {}", names.join(", "))),
+        );
     }
     fastenings.sort_by(|a, b| a.station_mm.total_cmp(&b.station_mm));
     for pair in fastenings.windows(2) {
@@ -112,6 +110,35 @@ pub(super) fn fastenings(part: &Part, edges: &Edges, joint: &Joint) -> (Vec<Fast
         }
     }
     (fastenings, warnings)
+}
+
+/// Where a joint lies across the strip, and which way its flap points on its own pass.
+struct Bed {
+    lo: f64,
+    hi: f64,
+    ahead: f64,
+}
+
+/// The widest band that holds the flap on its pass and the slits on the others, with the flap pointing whichever way gives more.
+fn bed(connection: &ConnectionPoint, flap_pass: usize, stations: &[f64], edges: &Edges, joint: &Joint) -> Bed {
+    let band = |ahead: f64| {
+        connection.passes.iter().enumerate().fold((f64::NEG_INFINITY, f64::INFINITY), |(lo, hi), (pass, k)| {
+            let s = stations[*k];
+            let (back, front) = if pass == flap_pass {
+                (-ahead * joint.hook_radius_mm, ahead * joint.reach_mm())
+            } else {
+                (-joint.slit_ahead_mm, joint.slit_ahead_mm)
+            };
+            let (l, h) = edges.band(s + back.min(front)..s + back.max(front));
+            (lo.max(l), hi.min(h))
+        })
+    };
+    let (on, back) = (band(1.0), band(-1.0));
+    if back.1 - back.0 > on.1 - on.0 + tolerance::LIMIT_SLACK_MM {
+        Bed { lo: back.0, hi: back.1, ahead: -1.0 }
+    } else {
+        Bed { lo: on.0, hi: on.1, ahead: 1.0 }
+    }
 }
 
 /// The pass that carries the flap: the one that bends most, since a flap on the convex side of a bend lifts by itself toward its partner. Never an end of the strip,

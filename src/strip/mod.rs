@@ -154,3 +154,113 @@ pub fn pieces(part: &Part, settings: &Settings) -> Result<Pieces, Error> {
 fn line(path: Path, role: Role) -> DrawnPath {
     DrawnPath { path, role, kerf: KerfSide::On, joint: None }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cut::{Outline, PlaneFrame};
+    use crate::extrude::Extruder;
+    use crate::fit::{self, Target};
+    use crate::geom::{P2, P3, V3, contains, tolerance};
+    use crate::progress::Quiet;
+    use crate::sim::Material;
+
+    fn part(width_mm: f64) -> Part {
+        let outer = [(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)].map(|(x, y)| P2::new(x, y)).to_vec();
+        let material = Material {
+            flexural_rigidity_n_mm: 2.1,
+            membrane_stiffness_n_per_mm: 600.0,
+            grammage_g_per_m2: 160.0,
+            thickness_mm: 0.19,
+        };
+        let target = Target {
+            name: "A",
+            frame: &PlaneFrame { origin: P3::origin(), u: V3::x(), v: V3::y(), normal: V3::z() },
+            outline: &Outline { outer, holes: Vec::new() },
+            extruder: &Extruder::constant(-0.5 * width_mm, 0.5 * width_mm).unwrap(),
+            material: &material,
+        };
+        fit::fit(&target, &fit::Settings { rounds: 0, ..fit::Settings::default() }, &mut Quiet).unwrap()
+    }
+
+    fn settings(max_piece_mm: f64) -> Settings {
+        Settings {
+            joint: joint::paper(),
+            max_piece_mm,
+            splice_overlap_mm: 20.0,
+            label_mm: Some(3.0),
+            grammage_g_per_m2: 160.0,
+        }
+    }
+
+    #[test]
+    fn a_short_strip_is_one_piece_as_long_as_strip_and_tabs() {
+        let part = part(40.0);
+        let laid = pieces(&part, &settings(5000.0)).unwrap();
+        assert_eq!(laid.pieces.len(), 1);
+        let piece = &laid.pieces[0];
+        assert!((piece.length_mm - (part.ruffle.strip_length() + 18.0)).abs() < 1e-6);
+        assert_eq!((piece.width_mm, piece.name.as_str()), (40.0, "A1"));
+        let sheet_g = piece.length_mm * 40.0 * 160e-6;
+        assert!((piece.mass_g - sheet_g).abs() < 1e-6, "{} {sheet_g}", piece.mass_g);
+    }
+
+    #[test]
+    fn pieces_fit_the_stock_and_their_lengths_sum_to_strip_and_laps() {
+        let part = part(40.0);
+        let laid = pieces(&part, &settings(277.0)).unwrap();
+        let n = laid.pieces.len();
+        assert!(n > 2);
+        assert!(laid.pieces.iter().all(|p| p.length_mm <= 277.0 + 1e-9));
+        let sum: f64 = laid.pieces.iter().map(|p| p.length_mm).sum();
+        let expected = part.ruffle.strip_length() + 18.0 + 20.0 * (n - 1) as f64;
+        assert!((sum - expected).abs() < 0.01, "{sum} against {expected}");
+        assert!(laid.warnings.iter().any(|w| w.code == "spliced"));
+        let marks = laid.pieces.iter().map(|p| p.drawing.paths.iter().filter(|d| d.role == Role::Mark).count());
+        assert_eq!(marks.sum::<usize>(), 2 * (n - 1));
+    }
+
+    #[test]
+    fn every_joint_has_flaps_on_one_pass_and_as_many_slits_on_the_other() {
+        for (width, across) in [(30.0, 1), (80.0, 2), (140.0, 3)] {
+            let part = part(width);
+            let laid = pieces(&part, &settings(277.0)).unwrap();
+            for connection in part.ruffle.connection_points() {
+                let joint = Some(format!("A{}", connection.joint));
+                let count = |role: Role| {
+                    let paths = laid.pieces.iter().flat_map(|p| &p.drawing.paths);
+                    paths.filter(|d| d.role == role && d.joint == joint).count()
+                };
+                assert_eq!((count(Role::Flap), count(Role::Slit)), (across, across), "{joint:?}, {width} mm");
+            }
+            assert!(laid.max_mating_error_mm < 1e-9);
+        }
+    }
+
+    #[test]
+    fn cuts_and_labels_lie_inside_their_piece_and_apart() {
+        let laid = pieces(&part(40.0), &settings(277.0)).unwrap();
+        assert_eq!(laid.label_collisions, 0);
+        for piece in &laid.pieces {
+            let contour = piece.drawing.outline().unwrap().flatten(tolerance::FLATTEN_MM);
+            let inner: Vec<&DrawnPath> =
+                piece.drawing.paths.iter().filter(|p| !matches!(p.role, Role::Outline | Role::Mark)).collect();
+            for path in &inner {
+                assert!(path.path.flatten(0.01).iter().all(|p| contains(&contour, *p)), "{:?}", path.role);
+            }
+            let cuts = || inner.iter().filter(|p| p.role != Role::Label);
+            for label in inner.iter().filter(|p| p.role == Role::Label) {
+                let clash = cuts().find(|cut| cut.path.bounds().overlaps(&label.path.bounds()));
+                assert!(clash.is_none(), "label over {clash:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn stock_shorter_than_splices_is_refused_with_the_length_needed() {
+        let error = pieces(&part(40.0), &settings(50.0)).unwrap_err();
+        assert!(error.to_string().contains("at least") || error.to_string().contains("need 60 mm"), "{error}");
+        let error = pieces(&part(40.0), &settings(65.0)).unwrap_err();
+        assert!(matches!(error, Error::NoRoomForSplice { .. }), "{error}");
+    }
+}

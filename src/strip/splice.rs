@@ -29,37 +29,52 @@ pub(super) fn divide(
         return Err(Error::StockTooShort { part: part.name.clone(), max_piece_mm: max, least_mm });
     }
     let fewest = ((edges.length_mm() - overlap) / (max - overlap)).ceil() as usize;
+    let mut refused = None;
     // Even pieces first; where joints leave no gap at an even spacing, more and shorter pieces have more places to choose from.
-    let mut worst = None;
-    for count in fewest..=2 * fewest {
-        match cuts(part, edges, fastenings, settings, count) {
-            Ok(cuts) => {
-                let mut ranges = Vec::with_capacity(cuts.len() + 1);
-                let mut start = whole.start;
-                for cut in cuts {
-                    ranges.push(start..cut + overlap / 2.0);
-                    start = cut - overlap / 2.0;
-                }
-                ranges.push(start..whole.end);
-                return Ok(ranges);
+    for care in Care::ALL {
+        let keep_out = keep_out(part, fastenings, settings, care);
+        for count in fewest..=2 * fewest {
+            match cuts(part, edges, &keep_out, settings, count) {
+                Ok(cuts) => return Ok(ranges(&cuts, whole, overlap)),
+                Err(error) => refused = refused.or(Some(error)),
             }
-            Err(error) => worst = worst.or(Some(error)),
         }
     }
-    Err(worst.expect("at least one count was tried"))
+    Err(refused.expect("at least one count was tried"))
+}
+
+/// Overlapping stretches between the middles of splices.
+fn ranges(cuts: &[f64], whole: Range<f64>, overlap_mm: f64) -> Vec<Range<f64>> {
+    let starts = std::iter::once(whole.start).chain(cuts.iter().map(|cut| cut - overlap_mm / 2.0));
+    let ends = cuts.iter().map(|cut| cut + overlap_mm / 2.0).chain(std::iter::once(whole.end));
+    starts.zip(ends).map(|(start, end)| start..end).collect()
+}
+
+/// What a splice keeps clear of, most careful first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Care {
+    /// Joints with their distance, and the crowns of loops, where a doubled sheet would flatten the bend.
+    JointsAndCrowns,
+    /// Joints with their distance.
+    Joints,
+    /// Only the cuts of joints themselves.
+    Cuts,
+}
+
+impl Care {
+    const ALL: [Care; 3] = [Care::JointsAndCrowns, Care::Joints, Care::Cuts];
 }
 
 /// Middles of the splices of `count` pieces.
 fn cuts(
     part: &Part,
     edges: &Edges,
-    fastenings: &[Fastening],
+    keep_out: &[Range<f64>],
     settings: &Settings,
     count: usize,
 ) -> Result<Vec<f64>, Error> {
     let whole = edges.range();
     let (overlap, max) = (settings.splice_overlap_mm, settings.max_piece_mm);
-    let keep_out = keep_out(part, fastenings, settings);
     let mut start = whole.start;
     let mut cuts = Vec::new();
     for i in 1..count {
@@ -97,19 +112,24 @@ fn cuts(
     Ok(cuts)
 }
 
-/// Stretches where no splice may lie: joints with their distance, and the crowns of loops, where a doubled sheet would flatten the bend.
-fn keep_out(part: &Part, fastenings: &[Fastening], settings: &Settings) -> Vec<Range<f64>> {
-    let around_joints = fastenings.iter().map(|f| {
-        let bounds = f.bounds(&settings.joint).grown(settings.joint.cut_distance_mm / 2.0);
-        bounds.min.x..bounds.max.x
-    });
-    let stations = part.ruffle.stations();
-    let crowns = part.ruffle.sections.iter().filter(|s| s.role == ruffle::Role::Outer).map(|s| {
-        let (from, to) = (stations[s.first_segment], stations[s.end_segment]);
-        let (middle, sixth) = (0.5 * (from + to), (to - from) / 6.0);
-        middle - sixth..middle + sixth
-    });
-    around_joints.chain(crowns).collect()
+/// Stretches where no splice may lie.
+fn keep_out(part: &Part, fastenings: &[Fastening], settings: &Settings, care: Care) -> Vec<Range<f64>> {
+    let clear = if care == Care::Cuts { 1.0 } else { settings.joint.cut_distance_mm / 2.0 };
+    let mut keep_out: Vec<Range<f64>> = fastenings
+        .iter()
+        .map(|f| f.bounds(&settings.joint).grown(clear))
+        .map(|bounds| bounds.min.x..bounds.max.x)
+        .collect();
+    if care == Care::JointsAndCrowns {
+        let stations = part.ruffle.stations();
+        let loops = part.ruffle.sections.iter().filter(|s| s.role == ruffle::Role::Outer);
+        keep_out.extend(loops.map(|s| {
+            let (from, to) = (stations[s.first_segment], stations[s.end_segment]);
+            let (middle, sixth) = (0.5 * (from + to), (to - from) / 6.0);
+            middle - sixth..middle + sixth
+        }));
+    }
+    keep_out
 }
 
 /// Engraved lines on piece `i` that show where its neighbours end.

@@ -1,0 +1,185 @@
+//! Threads the strip through a stack of slabs: rungs, loops and diagonals.
+
+use super::{Drawn, Node, Role, Ruffle, Section};
+use crate::geom::{P2, V2};
+use lyon::geom::{CubicBezierSegment, point};
+
+/// A loop needs this many segments to bend smoothly through half a turn.
+const MIN_SEGMENTS: usize = 10;
+/// Shortest rung, mm: a flap's neck with room at both sides.
+pub(super) const MIN_RUNG_MM: f64 = 10.0;
+/// How far a rung's ends draw back from the outline, in layer heights: the room its loops bulge into.
+const LOOP_REACH: f64 = 0.4;
+
+/// The part of the outline that one layer fills, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Slab {
+    pub bottom: f64,
+    pub top: f64,
+    pub left: f64,
+    pub right: f64,
+}
+
+/// One rung of the ladder, plane frame, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Rung {
+    left: P2,
+    right: P2,
+    /// How far the loops above this rung reach beyond its ends, mm: left, right.
+    reach: [f64; 2],
+}
+
+/// Draws the strip through `slabs`, lowest first, in segments of at most `segment_mm`.
+pub(super) fn thread_slabs(slabs: &[Slab], segment_mm: f64) -> Drawn {
+    thread(&rungs(slabs), segment_mm)
+}
+
+/// Rungs between slabs, drawn back from the outline so that the loops have room.
+fn rungs(slabs: &[Slab]) -> Vec<Rung> {
+    let draw_back = |s: &Slab| LOOP_REACH * (s.top - s.bottom).min(0.6 * (s.right - s.left));
+    let n = slabs.len();
+    let mut rungs: Vec<Rung> = (0..=n)
+        .map(|i| {
+            let below = &slabs[i.saturating_sub(1)];
+            let above = &slabs[i.min(n - 1)];
+            let left = (below.left + draw_back(below)).max(above.left + draw_back(above));
+            let right = (below.right - draw_back(below)).min(above.right - draw_back(above));
+            let middle = 0.5 * (below.left.max(above.left) + below.right.min(above.right));
+            let level = if i == n { slabs[n - 1].top } else { slabs[i].bottom };
+            let (left, right) = if right - left >= MIN_RUNG_MM {
+                (left, right)
+            } else {
+                (middle - 0.5 * MIN_RUNG_MM, middle + 0.5 * MIN_RUNG_MM)
+            };
+            Rung { left: P2::new(left, level), right: P2::new(right, level), reach: [0.0; 2] }
+        })
+        .collect();
+    for (i, slab) in slabs.iter().enumerate() {
+        let least = 0.25 * (slab.top - slab.bottom);
+        let (low, high) = (rungs[i], rungs[i + 1]);
+        rungs[i].reach = [
+            (0.5 * (low.left.x + high.left.x) - slab.left).max(least),
+            (slab.right - 0.5 * (low.right.x + high.right.x)).max(least),
+        ];
+    }
+    rungs
+}
+
+/// Threads the strip through the ladder.
+fn thread(rungs: &[Rung], segment_mm: f64) -> Drawn {
+    let mut weaver = Weaver { segment_mm, ..Weaver::default() };
+    let right = V2::new(1.0, 0.0);
+    let rung = |r: &Rung| Curve::line(r.left, r.right);
+    let mut left_node = weaver.start(rungs[0].left);
+    let mut right_node = weaver.section(&rung(&rungs[0]), Role::Inner, None);
+    let foot = [left_node, right_node];
+    let last = rungs.len() - 2;
+    for (i, pair) in rungs.windows(2).enumerate() {
+        let (low, high) = (&pair[0], &pair[1]);
+        let next_right = weaver.section(&Curve::arc(low.right, high.right, right, low.reach[1]), Role::Outer, None);
+        weaver.section(&Curve::line(high.right, low.left), Role::Inner, Some(left_node));
+        left_node = weaver.section(&Curve::arc(low.left, high.left, -right, low.reach[0]), Role::Outer, None);
+        let role = if i == last { Role::Outer } else { Role::Inner };
+        right_node = weaver.section(&rung(high), role, Some(next_right));
+    }
+    debug_assert_eq!(right_node, weaver.walk[weaver.walk.len() - 1]);
+    let ruffle = Ruffle {
+        node_count: weaver.positions.len(),
+        walk: weaver.walk,
+        rest_lengths: weaver.rest_lengths,
+        sections: weaver.sections,
+        foot,
+    };
+    Drawn { ruffle, positions: weaver.positions }
+}
+
+/// A section as drawn.
+struct Curve(CubicBezierSegment<f64>);
+
+impl Curve {
+    fn new(from: P2, ctrl1: P2, ctrl2: P2, to: P2) -> Curve {
+        let p = |q: P2| point(q.x, q.y);
+        Curve(CubicBezierSegment { from: p(from), ctrl1: p(ctrl1), ctrl2: p(ctrl2), to: p(to) })
+    }
+
+    fn line(from: P2, to: P2) -> Curve {
+        Curve::new(from, from + (to - from) / 3.0, to - (to - from) / 3.0, to)
+    }
+
+    /// A loop from `from` to `to` that leaves and arrives along `out` and reaches `reach` beyond the middle of its ends. A cubic reaches
+    /// three quarters of its handles; unequal ends get handles that bring both to the same extent.
+    fn arc(from: P2, to: P2, out: V2, reach: f64) -> Curve {
+        let lead = (to - from).dot(&out);
+        let least = reach / 4.0 + 1.0;
+        let handle = |r: f64| 4.0 / 3.0 * r.max(least);
+        Curve::new(from, from + out * handle(reach + lead / 2.0), to + out * handle(reach - lead / 2.0), to)
+    }
+
+    /// Points that divide the curve evenly by length, ends included, and its length.
+    fn divide(&self, segment_mm: f64) -> (Vec<P2>, f64) {
+        const FINE: usize = 512;
+        let fine: Vec<P2> = (0..=FINE)
+            .map(|i| {
+                let p = self.0.sample(i as f64 / FINE as f64);
+                P2::new(p.x, p.y)
+            })
+            .collect();
+        let mut along = vec![0.0];
+        for w in fine.windows(2) {
+            along.push(along[along.len() - 1] + (w[1] - w[0]).norm());
+        }
+        let length = along[FINE];
+        let n = ((length / segment_mm).ceil() as usize).max(MIN_SEGMENTS);
+        let mut k = 0;
+        let points = (0..=n)
+            .map(|i| {
+                let s = length * i as f64 / n as f64;
+                while k + 1 < FINE && along[k + 1] < s {
+                    k += 1;
+                }
+                let t = ((s - along[k]) / (along[k + 1] - along[k])).clamp(0.0, 1.0);
+                fine[k] + (fine[k + 1] - fine[k]) * t
+            })
+            .collect();
+        (points, length)
+    }
+}
+
+/// Collects sections into a ruffle.
+#[derive(Default)]
+struct Weaver {
+    segment_mm: f64,
+    positions: Vec<P2>,
+    walk: Vec<Node>,
+    rest_lengths: Vec<f64>,
+    sections: Vec<Section>,
+}
+
+impl Weaver {
+    fn new_node(&mut self, at: P2) -> Node {
+        self.positions.push(at);
+        Node(self.positions.len() as u32 - 1)
+    }
+
+    fn start(&mut self, at: P2) -> Node {
+        let node = self.new_node(at);
+        self.walk.push(node);
+        node
+    }
+
+    /// Adds a section that ends on `end`, or on a new node; returns that node.
+    fn section(&mut self, curve: &Curve, role: Role, end: Option<Node>) -> Node {
+        let (points, length) = curve.divide(self.segment_mm);
+        let n = points.len() - 1;
+        for p in &points[1..n] {
+            let node = self.new_node(*p);
+            self.walk.push(node);
+        }
+        let end = end.unwrap_or_else(|| self.new_node(points[n]));
+        self.walk.push(end);
+        let first_segment = self.rest_lengths.len();
+        self.rest_lengths.extend(std::iter::repeat_n(length / n as f64, n));
+        self.sections.push(Section { role, first_segment, end_segment: self.rest_lengths.len() });
+        end
+    }
+}
