@@ -5,7 +5,7 @@ use crate::geom::{P2, V2};
 use lyon::geom::{CubicBezierSegment, point};
 
 /// A loop needs this many segments to bend smoothly through half a turn.
-const MIN_SEGMENTS: usize = 10;
+const MIN_SEGMENTS: usize = 8;
 /// Shortest rung, mm: a flap's neck with room at both sides.
 pub(super) const MIN_RUNG_MM: f64 = 10.0;
 /// How far a rung's ends draw back from the outline, in layer heights: the room its loops bulge into.
@@ -29,9 +29,20 @@ struct Rung {
     reach: [f64; 2],
 }
 
-/// Draws the strip through `slabs`, lowest first, in segments of at most `segment_mm`.
+/// Draws the strip through `slabs`, lowest first, in segments of about `segment_mm`.
 pub(super) fn thread_slabs(slabs: &[Slab], segment_mm: f64) -> Drawn {
     thread(&rungs(slabs), segment_mm)
+}
+
+/// A stack of equal layers, as the paper's load tests fold it (figure 21): rungs `inner_mm` long, `layer_mm` apart, joined by half circles. The first rung
+/// starts at the origin.
+pub fn uniform_stack(layers: usize, layer_mm: f64, inner_mm: f64, segment_mm: f64) -> Drawn {
+    let rung = |i: usize| {
+        let v = i as f64 * layer_mm;
+        Rung { left: P2::new(0.0, v), right: P2::new(inner_mm, v), reach: [0.5 * layer_mm; 2] }
+    };
+    let rungs: Vec<Rung> = (0..=layers.max(1)).map(rung).collect();
+    thread(&rungs, segment_mm)
 }
 
 /// Rungs between slabs, drawn back from the outline so that the loops have room.
@@ -129,7 +140,7 @@ impl Curve {
             along.push(along[along.len() - 1] + (w[1] - w[0]).norm());
         }
         let length = along[FINE];
-        let n = ((length / segment_mm).ceil() as usize).max(MIN_SEGMENTS);
+        let n = ((length / segment_mm).round() as usize).max(MIN_SEGMENTS);
         let mut k = 0;
         let points = (0..=n)
             .map(|i| {
@@ -181,5 +192,23 @@ impl Weaver {
         self.rest_lengths.extend(std::iter::repeat_n(length / n as f64, n));
         self.sections.push(Section { role, first_segment, end_segment: self.rest_lengths.len() });
         end
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_papers_load_test_strips_have_their_length() {
+        // Without end tabs; half circles drawn as cubics are 0.4 % long.
+        for (inner, strip) in [(52.8, 468.35), (106.7, 730.3)] {
+            let drawn = uniform_stack(2, 30.0, inner, 5.0);
+            drawn.ruffle.check().unwrap();
+            let length = drawn.ruffle.strip_length();
+            assert!((length - strip).abs() < 1.0, "{length} against {strip}");
+        }
+        assert_eq!(uniform_stack(2, 30.0, 52.8, 5.0).ruffle.node_count, 90);
+        assert_eq!(uniform_stack(7, 30.0, 52.8, 5.0).ruffle.node_count, 285);
     }
 }

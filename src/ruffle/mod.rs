@@ -10,6 +10,7 @@ mod packed;
 mod stack;
 
 pub use check::Flaw;
+pub use ladder::uniform_stack;
 pub use stack::{Drawn, Layering, StackError, StackSettings, draw_stack};
 
 use serde::{Deserialize, Serialize};

@@ -43,7 +43,7 @@ pub struct StackSettings {
     pub min_layer_mm: f64,
     /// Thickest layer, mm; where the outline is wide it may be exceeded if few layers are asked for.
     pub max_layer_mm: f64,
-    /// Longest segment, mm. Sections are divided evenly.
+    /// Length of a segment, mm, about: sections are divided evenly.
     pub segment_mm: f64,
 }
 

@@ -4,6 +4,9 @@
 //! segment, the tangency of connection points as bending between the sheets that meet, gravity, and a floor. Newton's method finds the
 //! minimum of the energy; every term has an exact gradient and Hessian.
 
+mod barrier;
+mod ccd;
+mod contact;
 mod crossings;
 mod hinge;
 mod ldl;
@@ -11,7 +14,7 @@ mod model;
 mod newton;
 mod stretch;
 
-pub use crossings::count_crossings;
+pub use crossings::find_crossings;
 pub use ldl::{Factorisation, LdlT, Pattern};
 pub use newton::{Error, Settings, Solver, Supports};
 

@@ -1,7 +1,7 @@
 //! A ruffle as a mechanical system: which segments stretch, which pairs of segments bend against each other, what every node weighs.
 
 use super::{Error, Material, Pattern, hinge, stretch::stretch};
-use crate::geom::P2;
+use crate::geom::{P2, V2};
 use crate::ruffle::Ruffle;
 
 /// Two segments that bend against each other at a node.
@@ -23,41 +23,55 @@ pub(super) struct Model {
     bend_n_mm: Vec<f64>,
     /// Weight carried by each node, N.
     weight_n: Vec<f64>,
+    /// Other force on each node, N.
+    load_n: Vec<V2>,
     /// Slots of each segment's 4 x 4 and each hinge's 6 x 6 block, upper triangles by rows.
     slots: Vec<usize>,
+    /// Share of the membrane stiffness in force.
+    stretch_share: f64,
 }
 
 impl Model {
-    /// The terms of `ruffle` and the pattern of their Hessian. Lengths and widths come with [`Model::measure`].
-    pub fn new(ruffle: &Ruffle) -> Result<(Model, Pattern), Error> {
+    /// The terms of `ruffle`. Lengths and widths come with [`Model::measure`], a pattern with [`Model::pattern`].
+    pub fn new(ruffle: &Ruffle) -> Model {
         let segments: Vec<[usize; 2]> = ruffle.segments().map(|(i, j)| [i, j]).collect();
         let hinges = hinges(ruffle);
-        let unknowns = |nodes: &[usize]| nodes.iter().flat_map(|i| [2 * i, 2 * i + 1]).collect::<Vec<usize>>();
-        let elements: Vec<Vec<usize>> =
-            segments.iter().map(|s| unknowns(s)).chain(hinges.iter().map(|h| unknowns(&h.nodes))).collect();
-        let pattern = Pattern::new(2 * ruffle.node_count, elements.iter().map(Vec::as_slice))?;
-        let mut slots = Vec::new();
-        for element in &elements {
-            for (a, i) in element.iter().enumerate() {
-                for j in &element[a..] {
-                    slots.push(pattern.slot(*i, *j).expect("the pattern was made from these elements"));
-                }
-            }
-        }
-        let model = Model {
+        Model {
             rest_mm: vec![0.0; segments.len()],
             stretch_n_per_mm: vec![0.0; segments.len()],
             bend_n_mm: vec![0.0; hinges.len()],
             weight_n: vec![0.0; ruffle.node_count],
+            load_n: vec![V2::zeros(); ruffle.node_count],
             segments,
             hinges,
-            slots,
-        };
-        Ok((model, pattern))
+            slots: Vec::new(),
+            stretch_share: 1.0,
+        }
+    }
+
+    /// The pattern of the Hessian, with room for `more` elements (unknowns that other terms couple). The model's own Hessian is written for this pattern from
+    /// now on.
+    pub fn pattern(&mut self, more: impl Iterator<Item = [usize; 6]>) -> Result<Pattern, Error> {
+        let unknowns = |nodes: &[usize]| nodes.iter().flat_map(|i| [2 * i, 2 * i + 1]).collect::<Vec<usize>>();
+        let own: Vec<Vec<usize>> =
+            self.segments.iter().map(|s| unknowns(s)).chain(self.hinges.iter().map(|h| unknowns(&h.nodes))).collect();
+        let more: Vec<[usize; 6]> = more.collect();
+        let elements = own.iter().map(Vec::as_slice).chain(more.iter().map(<[usize; 6]>::as_slice));
+        let pattern = Pattern::new(2 * self.weight_n.len(), elements)?;
+        self.slots.clear();
+        for element in &own {
+            for (a, i) in element.iter().enumerate() {
+                for j in &element[a..] {
+                    self.slots.push(pattern.slot(*i, *j).expect("the pattern was made from these elements"));
+                }
+            }
+        }
+        Ok(pattern)
     }
 
     /// Takes rest lengths (mm) and the strip's width at every node (mm), and works out stiffnesses and weights.
     pub fn measure(&mut self, rest_lengths_mm: &[f64], widths_mm: &[f64], material: &Material) {
+        self.stretch_share = 1.0;
         self.rest_mm.copy_from_slice(rest_lengths_mm);
         self.weight_n.fill(0.0);
         for (k, [i, j]) in self.segments.iter().copied().enumerate() {
@@ -71,6 +85,20 @@ impl Model {
         for (c, h) in self.bend_n_mm.iter_mut().zip(&self.hinges) {
             let mean_rest = 0.5 * (rest_lengths_mm[h.segments[0]] + rest_lengths_mm[h.segments[1]]);
             *c = material.flexural_rigidity_n_mm * widths_mm[h.nodes[1]] / mean_rest;
+        }
+    }
+
+    /// Takes a share of the membrane stiffness, until it is measured again or given another.
+    pub fn set_stretch_share(&mut self, share: f64) {
+        let by = share / self.stretch_share;
+        self.stretch_share = share;
+        self.stretch_n_per_mm.iter_mut().for_each(|k| *k *= by);
+    }
+
+    /// Takes forces on nodes besides their weight, N; each replaces the one the node had.
+    pub fn load(&mut self, loads_n: impl IntoIterator<Item = (usize, V2)>) {
+        for (node, force) in loads_n {
+            self.load_n[node] = force;
         }
     }
 
@@ -89,14 +117,15 @@ impl Model {
             .map(|(h, c)| hinge::energy(x[h.nodes[0]], x[h.nodes[1]], x[h.nodes[2]], *c))
             .sum();
         let gravity: f64 = x.iter().zip(&self.weight_n).map(|(p, w)| w * p.y).sum();
-        stretching + bending + gravity
+        let loads: f64 = x.iter().zip(&self.load_n).map(|(p, f)| f.dot(&p.coords)).sum();
+        stretching + bending + gravity - loads
     }
 
     /// Gradient of [`Model::energy`], N, one entry per unknown.
     pub fn gradient(&self, x: &[P2], gradient: &mut [f64]) {
-        for (i, w) in self.weight_n.iter().enumerate() {
-            gradient[2 * i] = 0.0;
-            gradient[2 * i + 1] = *w;
+        for (i, (w, load)) in self.weight_n.iter().zip(&self.load_n).enumerate() {
+            gradient[2 * i] = -load.x;
+            gradient[2 * i + 1] = w - load.y;
         }
         for (s, [i, j]) in self.segments.iter().copied().enumerate() {
             let (_, g, _) = stretch(x[i], x[j], self.rest_mm[s], self.stretch_n_per_mm[s], true);
@@ -145,7 +174,7 @@ impl Model {
         }
     }
 
-    /// Weight of the whole strip, N.
+    /// Weight of the strip, N.
     pub fn weight_n(&self) -> f64 {
         self.weight_n.iter().sum()
     }
@@ -225,9 +254,11 @@ mod tests {
     /// The stack pushed out of shape, so that no term is at rest.
     fn disturbed() -> (Model, Pattern, Vec<P2>) {
         let drawn = stack();
-        let (mut model, pattern) = Model::new(&drawn.ruffle).unwrap();
+        let mut model = Model::new(&drawn.ruffle);
+        let pattern = model.pattern(std::iter::empty()).unwrap();
         let widths: Vec<f64> = (0..drawn.ruffle.node_count).map(|i| 60.0 + (i as f64).sin() * 20.0).collect();
         model.measure(&drawn.ruffle.rest_lengths, &widths, &paper());
+        model.load([(3, V2::new(0.4, -0.9)), (20, V2::new(-0.1, 0.2))]);
         let wobble =
             |(i, p): (usize, &P2)| P2::new(p.x + 0.3 * (1.7 * i as f64).sin(), p.y + 0.3 * (2.3 * i as f64).cos());
         let x = drawn.positions.iter().enumerate().map(wobble).collect();
@@ -276,7 +307,7 @@ mod tests {
     #[test]
     fn connections_add_two_hinges_each_and_one_at_the_strips_ends() {
         let drawn = stack();
-        let (model, _) = Model::new(&drawn.ruffle).unwrap();
+        let model = Model::new(&drawn.ruffle);
         let along = drawn.ruffle.rest_lengths.len() - 1;
         assert_eq!(model.hinges.len() - along, 1 + 2 * 2 + 1);
     }
@@ -284,7 +315,7 @@ mod tests {
     #[test]
     fn the_nodes_carry_the_weight_of_the_sheet() {
         let drawn = stack();
-        let (mut model, _) = Model::new(&drawn.ruffle).unwrap();
+        let mut model = Model::new(&drawn.ruffle);
         model.measure(&drawn.ruffle.rest_lengths, &vec![80.0; drawn.ruffle.node_count], &paper());
         let area_m2 = drawn.ruffle.strip_length() * 80.0 * 1e-6;
         let expected = area_m2 * 0.160 * 9.80665;
