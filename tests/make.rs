@@ -74,6 +74,10 @@ fn every_model_is_made_and_its_report_adds_up() {
         assert_eq!(part["outcome"], "converged", "{name}");
         assert_eq!(part["self_intersections"], 0, "{name}");
         assert!(part["uncovered_fraction"].as_f64().unwrap() < 0.4, "{name}: {part}");
+        let ruffle: Value = serde_json::from_slice(&fs::read(folder.path().join("out/ruffle.json")).unwrap()).unwrap();
+        let equilibrium = &ruffle["parts"][0]["equilibrium"];
+        assert!(equilibrium["max_strain"].as_f64().unwrap() < 1e-3, "{name}: paper does not stretch");
+        assert!(equilibrium["residual_n"].as_f64().unwrap() < 1e-5, "{name}");
         let pieces = report["pieces"].as_array().unwrap();
         let sheets = report["sheets"].as_array().unwrap();
         assert_eq!(report["totals"]["sheets"], sheets.len());
@@ -177,6 +181,39 @@ fn clear_film_on_a_diode_is_refused_with_the_reason() {
     assert_eq!(code(&output), 1);
     assert!(told(&output).contains("clear"), "{}", told(&output));
     assert!(!folder.path().join("out").exists(), "nothing is written");
+}
+
+#[test]
+fn where_nothing_can_be_engraved_nothing_but_cuts_is_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let shape = model("cuboid");
+    let args = ["make", shape.to_str().unwrap(), "-m", "k40", "-p", "polyester-0.1", "--stock", "A4", "--out", "out"];
+    let output = furbelow(folder.path(), &args);
+    assert_eq!(code(&output), 0, "{}", told(&output));
+    let report = report(folder.path());
+    assert!(report["pieces"].as_array().unwrap().len() > 1, "the strip is spliced");
+    for sheet in report["sheets"].as_array().unwrap() {
+        assert_eq!(sheet["engrave_mm"], 0.0);
+    }
+    let svg = fs::read_to_string(folder.path().join("out/sheets/sheet-01.svg")).unwrap();
+    assert!(!svg.contains("class=\"mark\"") && !svg.contains("class=\"label\""));
+}
+
+#[test]
+fn a_design_with_a_machine_of_its_own_can_be_made_from_anywhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine =
+        "schema = 1\nname = \"mine\"\ninherits = \"diode-400\"\n[work_area]\nwidth_mm = 350\nheight_mm = 350\n";
+    fs::create_dir(folder.path().join("machines")).unwrap();
+    fs::create_dir(folder.path().join("elsewhere")).unwrap();
+    fs::write(folder.path().join("machines/mine.toml"), machine).unwrap();
+    let shape = model("cuboid");
+    let args = ["make", shape.to_str().unwrap(), "-m", "machines/mine.toml", "-p", "paper-160", "--out", "out"];
+    assert_eq!(code(&furbelow(folder.path(), &args)), 0);
+    let first = snapshot(&folder.path().join("out"));
+    let again = furbelow(&folder.path().join("elsewhere"), &["make", "../out/design.toml"]);
+    assert_eq!(code(&again), 0, "{}", told(&again));
+    assert!(snapshot(&folder.path().join("out")) == first);
 }
 
 #[test]

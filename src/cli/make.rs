@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -116,10 +116,15 @@ fn default_folder(shape: &Path, is_design: bool) -> PathBuf {
 /// How often the user pressed Ctrl-C.
 static INTERRUPTS: AtomicU32 = AtomicU32::new(0);
 
+/// True once files are being written.
+static WRITING: AtomicBool = AtomicBool::new(false);
+
 /// First Ctrl-C: go on with the best so far. Second: end at once; nothing is written before everything is.
 fn listen_for_interrupts() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
-        if INTERRUPTS.fetch_add(1, Ordering::SeqCst) > 0 {
+        // What is being written takes a moment and is put in place as one: that is finished.
+        if INTERRUPTS.fetch_add(1, Ordering::SeqCst) > 0 && !WRITING.load(Ordering::SeqCst) {
+            eprintln!("furbelow: stopped, nothing was written");
             std::process::exit(Exit::STOPPED);
         }
     })
@@ -148,6 +153,7 @@ impl Observer for Screen {
         if progress.stage != self.stage {
             self.stage = progress.stage;
             self.bar.set_prefix(progress.stage);
+            WRITING.store(progress.stage == job::WRITING, Ordering::SeqCst);
         }
         self.bar.set_length(progress.total.max(1));
         self.bar.set_position(progress.done);
@@ -207,8 +213,15 @@ fn tell(made: &Made, out: &Path) -> Result<(), Failure> {
         "\nwrote {} files to {}: look at parts/ and sheets/*.png, then load sheets/*.nc into your sender.\nto change something: edit {d} and run  furbelow make {d}",
         made.files.len(),
         out.display(),
-        d = out.join("design.toml").display(),
+        d = quoted(&out.join("design.toml")),
     ))
+}
+
+/// A path that can be copied into a shell.
+fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || "/\\._-:".contains(c);
+    if text.chars().all(plain) { text } else { format!("\"{text}\"") }
 }
 
 impl From<job::Error> for Failure {

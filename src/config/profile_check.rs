@@ -126,6 +126,11 @@ fn joint(joint: &Joint, path: &str, checker: &mut Checker<'_>) {
             ),
         );
     }
+    let tab = joint.hook_radius_mm.unwrap_or(0.0) + joint.edge_distance_mm;
+    if joint.end_tab_mm < tab {
+        let message = format!("the hinge of the last joint would lie too near the strip's end: at least {tab:.2} mm");
+        checker.problem(&at("end_tab_mm"), message);
+    }
     let needed = joint.head_mm() + 2.0 * joint.edge_distance_mm;
     if joint.min_width_mm < needed {
         let message = format!("a strip this wide has no room for the head and two edges: at least {needed:.2} mm");

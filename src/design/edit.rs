@@ -1,59 +1,65 @@
 //! Changing a design file's text without losing its comments.
 
 use super::{Design, Error};
-use toml_edit::{DocumentMut, Item, Table};
+use toml_edit::{DocumentMut, Item, TableLike};
 
 impl Design {
-    /// The text of a design file with the values of this design in it: comments, order and everything that did not change stay as they stand.
+    /// The text of a design file with the values of this design in it. Only what differs from what the text says is written: comments, order and the way values are
+    /// put stay as they stand.
     pub fn written_over(&self, file: &str, text: &str) -> Result<String, Error> {
         let syntax = |e: toml_edit::TomlError| Error::Syntax { file: file.into(), message: e.to_string() };
         let mut document: DocumentMut = text.parse().map_err(syntax)?;
+        // Both through the same writer, so that only true differences show.
+        let said: DocumentMut = Design::parse(file, text)?.to_toml().parse().map_err(syntax)?;
         let wanted: DocumentMut = self.to_toml().parse().map_err(syntax)?;
-        merge(document.as_table_mut(), wanted.as_table());
+        merge(document.as_table_mut(), said.as_table(), wanted.as_table());
         Ok(document.to_string())
     }
 }
 
-/// Sets what differs, adds what is missing, drops what is no longer there.
-fn merge(into: &mut Table, wanted: &Table) {
-    let gone: Vec<String> = into.iter().map(|(k, _)| k.to_owned()).filter(|k| !wanted.contains_key(k)).collect();
+/// Carries the differences between `said` and `wanted` over to `into`, which says the same as `said` in words of its own.
+fn merge(into: &mut dyn TableLike, said: &dyn TableLike, wanted: &dyn TableLike) {
+    let gone: Vec<String> = said.iter().map(|(k, _)| k.to_owned()).filter(|k| wanted.get(k).is_none()).collect();
     for key in gone {
         into.remove(&key);
     }
-    for (key, new) in wanted {
-        match (into.get_mut(key), new) {
-            (Some(Item::Table(old)), Item::Table(new)) => merge(old, new),
-            (Some(Item::ArrayOfTables(old)), Item::ArrayOfTables(new)) if old.len() == new.len() => {
-                for (old, new) in old.iter_mut().zip(new) {
-                    merge(old, new);
+    for (key, new) in wanted.iter() {
+        let Some(old) = said.get(key) else {
+            into.insert(key, new.clone());
+            continue;
+        };
+        if old.to_string() == new.to_string() {
+            continue;
+        }
+        match (into.get_mut(key), old, new) {
+            (Some(Item::ArrayOfTables(own)), Item::ArrayOfTables(old), Item::ArrayOfTables(new))
+                if own.len() == new.len() =>
+            {
+                for ((own, old), new) in own.iter_mut().zip(old).zip(new) {
+                    merge(own, old, new);
                 }
             }
-            (Some(Item::Value(old)), Item::Value(new)) => {
-                if !same(old, new) {
-                    let decor = old.decor().clone();
-                    *old = new.clone();
-                    *old.decor_mut() = decor;
-                }
-            }
-            (Some(old), new) => *old = new.clone(),
-            (None, new) => {
+            (Some(own), old, new) => match (own.as_table_like_mut(), old.as_table_like(), new.as_table_like()) {
+                (Some(own), Some(old), Some(new)) => merge(own, old, new),
+                _ => replace(own, new),
+            },
+            (None, _, new) => {
                 into.insert(key, new.clone());
             }
         }
     }
 }
 
-/// Equal values, however they are written.
-fn same(a: &toml_edit::Value, b: &toml_edit::Value) -> bool {
-    let plain = |v: &toml_edit::Value| {
-        let text = format!("value = {}", v.clone().decorated("", ""));
-        toml::from_str::<toml::Table>(&text).ok().and_then(|mut table| table.remove("value"))
-    };
-    let number = |v: Option<toml::Value>| match v {
-        Some(toml::Value::Integer(i)) => Some(toml::Value::Float(i as f64)),
-        other => other,
-    };
-    number(plain(a)) == number(plain(b))
+/// Puts a value in place of another, comments round it kept.
+fn replace(own: &mut Item, new: &Item) {
+    match (own, new) {
+        (Item::Value(own), Item::Value(new)) => {
+            let decor = own.decor().clone();
+            *own = new.clone();
+            *own.decor_mut() = decor;
+        }
+        (own, new) => *own = new.clone(),
+    }
 }
 
 #[cfg(test)]
@@ -70,6 +76,17 @@ mod tests {
         design.machine = "k40".into();
         let expected = TEXT.replace("a.obj", "../b.obj").replace("\"m\"", "\"k40\"");
         assert_eq!(design.written_over("d.toml", TEXT).unwrap(), expected);
+    }
+
+    #[test]
+    fn values_keep_the_way_they_are_put() {
+        let text = "schema = 1\nmachine = \"m\"\nmaterial = \"p\"\nstock = [] # any\nmesh = { file = \"a.obj\", height_mm = 100 } # big\n\n[[part]]\nname = \"A\"\nplane = { origin_mm = [0, 0, 0], normal = [0, 0, 1] } # front\n";
+        let mut design = Design::parse("d.toml", text).unwrap();
+        assert_eq!(design.written_over("d.toml", text).unwrap(), text);
+        design.mesh.file = "b.obj".into();
+        design.parts[0].layers = Some(2);
+        let expected = text.replace("a.obj", "b.obj") + "layers = 2\n";
+        assert_eq!(design.written_over("d.toml", text).unwrap(), expected);
     }
 
     #[test]

@@ -73,7 +73,7 @@ pub struct PartDesign {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layers: Option<usize>,
     /// How it stands.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Foot::is_default")]
     pub foot: Foot,
 }
 
@@ -98,6 +98,12 @@ pub enum Foot {
     Free,
     /// Both ends of the bottom rung are glued or slotted to a base.
     Pinned,
+}
+
+impl Foot {
+    fn is_default(&self) -> bool {
+        *self == Foot::default()
+    }
 }
 
 /// What is wrong with a design file.
@@ -170,7 +176,8 @@ impl Design {
             if part.name.ends_with(|c: char| c.is_ascii_digit()) {
                 return wrong(key("name"), "must not end in a digit: pieces and joints are numbered behind it");
             }
-            if self.parts[..i].iter().any(|p| p.name == part.name) {
+            // Some systems do not tell A.svg from a.svg.
+            if self.parts[..i].iter().any(|p| p.name.eq_ignore_ascii_case(&part.name)) {
                 return wrong(key("name"), "is used twice");
             }
             if part.layers == Some(0) {

@@ -167,18 +167,14 @@ pub fn fit(target: &Target, settings: &Settings, observer: &mut dyn Observer) ->
     Ok(best.part)
 }
 
-/// Solves a part once more with the widths the strip has where it lies now. Filling changes lengths from round to round and so bends the strip with the widths
-/// of the round before; after this, shape, widths and weights belong together. Never stopped: it takes milliseconds.
+/// Solves a part once more with the widths it was given. Filling weighs and bends a strip with the widths of the round before; after this, shape, widths and forces
+/// belong together: whoever reads the part can work the balance out again. Never stopped: it takes milliseconds.
 pub fn settle(target: &Target, settings: &Settings, filled: Part) -> Result<Part, Error> {
     let foot = filled.report.foot;
     let error = |source| Error::Solve { part: target.name.into(), source };
     let mut solver = solver(target, settings, &filled.ruffle, &filled.spans, foot).map_err(error)?;
     let equilibrium = solver.solve(&filled.equilibrium.positions, &mut Quiet).map_err(error)?;
-    if equilibrium.outcome != Outcome::Converged {
-        return Ok(filled);
-    }
-    let spans = target.extruder.spans(&filled.ruffle, &equilibrium.positions);
-    Ok(part(target, filled.ruffle, spans, equilibrium, foot))
+    Ok(part(target, filled.ruffle, filled.spans, equilibrium, foot))
 }
 
 /// Measures a settled ruffle and makes a part of it.
@@ -206,7 +202,7 @@ fn solver(
         FootUsed::Pinned => Supports { pinned: ruffle.foot.to_vec(), upright: Vec::new() },
         FootUsed::Free => Supports { pinned: Vec::new(), upright: vec![ruffle.foot[0]] },
     };
-    let settings = sim::Settings { floor_mm: target.outline.bounds().min.y, ..settings.solver };
+    let settings = sim::Settings { floor_mm: floor_mm(target.outline), ..settings.solver };
     Solver::new(ruffle, &widths(spans), target.material, &supports, &settings)
 }
 
@@ -216,8 +212,13 @@ fn starts(target: &Target, settings: &Settings) -> Result<Vec<Drawn>, Error> {
     let mut refused = None;
     for layering in std::iter::once(settings.stack.layering).chain(settings.other_layerings.iter().copied()) {
         match draw_stack(target.outline, &StackSettings { layering, ..settings.stack }) {
-            Ok(drawn) if starts.contains(&drawn) => {}
-            Ok(drawn) => starts.push(drawn),
+            Ok(mut drawn) => {
+                let drop = target.outline.bounds().min.y - floor_mm(target.outline);
+                drawn.positions.iter_mut().for_each(|p| p.y -= drop);
+                if !starts.contains(&drawn) {
+                    starts.push(drawn);
+                }
+            }
             Err(source) => refused = refused.or(Some(source)),
         }
     }
@@ -258,12 +259,16 @@ impl Search<'_> {
         let mut solver = solver(target, settings, &ruffle, &spans, foot).map_err(error)?;
         for _ in 0..=settings.rounds {
             self.done += 1;
-            if self.stopped {
+            if self.stopped && self.best.is_some() {
                 return Ok(());
             }
             solver.measure(&ruffle, &widths(&spans)).map_err(error)?;
-            let equilibrium = solver.solve(&positions, &mut Inner(self)).map_err(error)?;
-            if equilibrium.outcome != Outcome::Converged {
+            let equilibrium = match solver.solve(&positions, &mut Inner(self)) {
+                // A drawing that crosses itself is no start; another may be.
+                Err(sim::Error::Crossed { .. }) => return Ok(()),
+                solved => solved.map_err(error)?,
+            };
+            if equilibrium.outcome != Outcome::Converged || equilibrium.max_strain > MAX_STRAIN {
                 self.residual_n = self.residual_n.min(equilibrium.residual_n);
                 return Ok(());
             }
@@ -272,7 +277,9 @@ impl Search<'_> {
             spans = target.extruder.spans(&ruffle, &positions);
             self.consider(&ruffle, &spans, equilibrium, foot);
             for (section, length) in rule.lengths(&ruffle, &positions).into_iter().enumerate() {
-                ruffle.set_section_length(section, length);
+                if !(foot == FootUsed::Pinned && between_pins(&ruffle, section)) {
+                    ruffle.set_section_length(section, length);
+                }
             }
         }
         Ok(())
@@ -296,6 +303,7 @@ impl Search<'_> {
             + glue
             // Coverage does not see what is inside: a ruffle that passes through itself will fold otherwise, a layer that has collapsed cannot be assembled,
             // a crease is a hinge.
+            + if report.stands { 0.0 } else { TIPPING_COST }
             + CROSSING_COST * part.equilibrium.self_intersections as f64
             + MAKEABLE_COST * shortfall(report.min_void_mm, settings.min_void_mm)
             + MAKEABLE_COST * shortfall(report.min_radius_mm, settings.min_bend_radius_mm)
@@ -308,6 +316,17 @@ impl Search<'_> {
     }
 }
 
+/// True for a section whose two ends are pinned: its length cannot change.
+fn between_pins(ruffle: &Ruffle, section: usize) -> bool {
+    let (start, end) = ruffle.section_ends(section);
+    ruffle.foot.contains(&start) && ruffle.foot.contains(&end)
+}
+
+/// Paper does not stretch: a strip that is strained more than this is held apart by something that should not hold it.
+const MAX_STRAIN: f64 = 1e-3;
+
+/// Outline share that falling over outweighs: whatever stands is better.
+const TIPPING_COST: f64 = 1.0;
 /// Outline share that one crossing outweighs.
 const CROSSING_COST: f64 = 0.1;
 /// Outline share that a void or a bend radius of nothing outweighs.
@@ -325,6 +344,17 @@ impl Observer for Inner<'_, '_> {
         if self.0.stopped && self.0.best.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
+
+/// The floor under an outline, plane frame, mm: the object's floor v = 0 where the outline comes down to it but for the rounding of its underside, else (a part
+/// that rests on another) the outline's lowest point.
+fn floor_mm(outline: &Outline) -> f64 {
+    let bounds = outline.bounds();
+    let rounding = FOOT_ROUNDING * bounds.height();
+    if (0.0..rounding).contains(&bounds.min.y) { 0.0 } else { bounds.min.y }
+}
+
+/// An outline stands on the floor if it comes down to it within this share of its height.
+const FOOT_ROUNDING: f64 = 0.05;
 
 fn widths(spans: &[Span]) -> Vec<f64> {
     spans.iter().map(Span::width).collect()

@@ -28,6 +28,8 @@ pub struct Report {
     pub covered: Vec<Vec<P2>>,
     /// How the foot stands.
     pub foot: FootUsed,
+    /// Whether it stands without falling over when pushed a little.
+    pub stands: bool,
     /// Strip without end tabs, mm.
     pub strip_length_mm: f64,
     /// Mass of the strip without end tabs, g.
@@ -42,8 +44,15 @@ pub struct Report {
     pub thinnest_void: P2,
 }
 
-/// Voids smaller than this, mm², are the wedges where two sheets part from a connection point, not rooms.
-const LEAST_VOID_MM2: f64 = 20.0;
+/// Voids shorter than this, mm, are what is left between sheets that touch, not rooms. A layer that has collapsed is thin but long.
+const LEAST_VOID_MM: f64 = 5.0;
+
+/// A part stands if its centre of mass stays this far inside what touches the floor when it is tilted by [`TILT_DEG`]. Measured: parts with less margin than tan 6°
+/// times the height of their centre plus 5 mm fell over at 3 to 6 degrees.
+const STANDING_MARGIN_MM: f64 = 5.0;
+const TILT_DEG: f64 = 6.0;
+/// What lies this close to the floor touches it, mm.
+const TOUCHING_MM: f64 = 0.05;
 
 /// Measures a settled ruffle.
 pub(super) fn measure(
@@ -62,12 +71,14 @@ pub(super) fn measure(
         .zip(&ruffle.rest_lengths)
         .map(|((i, j), l)| 0.5 * (spans[i].width() + spans[j].width()) * l)
         .sum();
+    let margin_mm = standing_margin_mm(ruffle, spans, positions);
     let (min_radius_mm, tightest_section) = tightest_bend(ruffle, positions);
     let (min_void_mm, thinnest_void) = region
         .rooms
         .iter()
-        .filter(|room| room.iter().map(|t| signed_area(t)).sum::<f64>() >= LEAST_VOID_MM2)
-        .map(|room| thickness(room))
+        .map(|room| measured_room(room))
+        .filter(|room| room.length_mm >= LEAST_VOID_MM)
+        .map(|room| (room.thickness_mm, room.center))
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .unwrap_or((0.0, P2::origin()));
     Report {
@@ -75,6 +86,7 @@ pub(super) fn measure(
         protruding_fraction: coverage.protruding_fraction(),
         covered: region.loops,
         foot,
+        stands: foot == FootUsed::Pinned || margin_mm >= 0.0,
         strip_length_mm: ruffle.strip_length(),
         strip_mass_g: area_mm2 * 1e-6 * target.material.grammage_g_per_m2,
         min_radius_mm,
@@ -99,8 +111,34 @@ fn tightest_bend(ruffle: &Ruffle, x: &[P2]) -> (f64, usize) {
     tightest
 }
 
-/// Area over the long side of the smallest rectangle around a room, mm, and the room's centre of area.
-fn thickness(room: &[[P2; 3]]) -> (f64, P2) {
+/// How far the centre of mass lies inside the contact with the floor, beyond what a standing part needs, mm; negative for one that falls over. The floor is
+/// at the lowest node.
+fn standing_margin_mm(ruffle: &Ruffle, spans: &[Span], x: &[P2]) -> f64 {
+    let (mut mass, mut moment) = (0.0, nalgebra::Vector2::zeros());
+    for ((i, j), length) in ruffle.segments().zip(&ruffle.rest_lengths) {
+        let m = 0.5 * (spans[i].width() + spans[j].width()) * length;
+        mass += m;
+        moment += nalgebra::center(&x[i], &x[j]).coords * m;
+    }
+    let center = moment / mass;
+    let floor = x.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+    let touching = x.iter().filter(|p| p.y <= floor + TOUCHING_MM).map(|p| p.x);
+    let (left, right) = touching.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), u| (l.min(u), r.max(u)));
+    let margin = (center.x - left).min(right - center.x);
+    margin - (TILT_DEG.to_radians().tan() * (center.y - floor) + STANDING_MARGIN_MM)
+}
+
+/// A room's size.
+struct Room {
+    /// Area over the long side of the smallest rectangle around it, mm.
+    thickness_mm: f64,
+    /// That long side, mm.
+    length_mm: f64,
+    /// Centre of area.
+    center: P2,
+}
+
+fn measured_room(room: &[[P2; 3]]) -> Room {
     let corners: Vec<P2> = room.iter().flatten().copied().collect();
     let hull = convex_hull(&corners);
     let n = hull.len();
@@ -120,7 +158,7 @@ fn thickness(room: &[[P2; 3]]) -> (f64, P2) {
     let area: f64 = room.iter().map(|t| signed_area(t)).sum();
     let weighted = room.iter().map(|t| (t[0].coords + t[1].coords + t[2].coords) * (signed_area(t) / 3.0));
     let center = weighted.fold(nalgebra::Vector2::zeros(), |sum, v| sum + v) / area;
-    (area / long_side, P2::from(center))
+    Room { thickness_mm: area / long_side, length_mm: long_side, center: P2::from(center) }
 }
 
 /// What the user should know before cutting.
@@ -141,6 +179,12 @@ pub fn warnings(part: &Part, settings: &Settings) -> Vec<Warning> {
         warn(Warning::new(
             "foot-pinned",
             "standing free it would tip or fill less: glue both ends of the bottom rung to a base, or set foot = \"free\" in the design",
+        ));
+    }
+    if !r.stands {
+        warn(Warning::new(
+            "tips",
+            "standing free it falls over when pushed: glue both ends of the bottom rung to a base (--foot pinned)",
         ));
     }
     if r.min_radius_mm < settings.min_bend_radius_mm {
@@ -176,6 +220,15 @@ pub fn warnings(part: &Part, settings: &Settings) -> Vec<Warning> {
             ),
         ));
     }
+    if r.protruding_fraction > 0.1 {
+        warn(Warning::new(
+            "sticks-out",
+            format!(
+                "{:.0} % of the outline's area again sticks out of it: narrow places are bridged. Other layers may follow the shape better",
+                100.0 * r.protruding_fraction
+            ),
+        ));
+    }
     if r.uncovered_fraction > 0.3 {
         warn(Warning::new(
             "empty",
@@ -198,7 +251,8 @@ mod tests {
             let turn = nalgebra::Rotation2::new(angle);
             let p = |x: f64, y: f64| turn * P2::new(x, y);
             let room = [[p(0.0, 0.0), p(40.0, 0.0), p(40.0, 9.0)], [p(0.0, 0.0), p(40.0, 9.0), p(0.0, 9.0)]];
-            let (thick, center) = thickness(&room);
+            let Room { thickness_mm: thick, length_mm, center } = measured_room(&room);
+            assert!((length_mm - 40.0).abs() < 1e-9);
             assert!((thick - 9.0).abs() < 1e-9, "{thick}");
             assert!((center - p(20.0, 4.5)).norm() < 1e-9);
         }

@@ -25,8 +25,7 @@ pub(super) fn write(
     let total = (realised.parts.len() + sheets.sheets.len()) as u64;
     let mut done = 0;
     let mut wrote = |note: &str| {
-        // Nothing can be left out here, so a stop is not asked for.
-        let progress = Progress { stage: "writing", done, total, note: note.to_owned() };
+        let progress = Progress { stage: super::WRITING, done, total, note: note.to_owned() };
         let _ = observer.step(progress);
         done += 1;
     };

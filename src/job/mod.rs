@@ -4,7 +4,7 @@
 //! Design --realise--> Parts --strips--> Pieces --sheets--> Layouts, Programs --artifacts--> files
 //! ```
 //!
-//! [`realise()`] is the one meaning of a design. `settings` is the only place where machine and profile become the stages' settings. Files are staged beside
+//! [`realise()`] is the one meaning of a design. `settings` is the only place where machine and profile become the stages' settings. Files are staged in
 //! their folder and renamed at the end, so a failure leaves what was there before.
 
 mod artifacts;
@@ -32,6 +32,9 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// The last stage's name in its progress: from here on files are written.
+pub const WRITING: &str = "writing";
+
 /// What a finished job tells its caller.
 #[derive(Debug, Clone)]
 pub struct Made {
@@ -39,8 +42,6 @@ pub struct Made {
     pub report: Report,
     /// Files written, relative to the output folder, in writing order.
     pub files: Vec<PathBuf>,
-    /// True when the user stopped the search and got the best so far.
-    pub stopped_early: bool,
 }
 
 /// Does everything up to files in `out_dir`.
@@ -64,12 +65,14 @@ pub fn make(order: &Order, library: &Library, out_dir: &Path, observer: &mut dyn
     }
     let timing = report::Timing { solve_ms: realised.solve_ms, fit_ms: realised.fit_ms, nest_ms, wall_s: 0.0 };
     let mut report = report::report(&setup, &realised, &strips, &sheets, warnings, timing);
+    // Nothing can be left out from here on, so a stop is not asked for.
+    let _ = observer.step(Progress { stage: WRITING, done: 0, total: 0, note: String::new() });
     let mut stage = output::Stage::new(out_dir)?;
     artifacts::write(&mut stage, order, &setup, &realised, &strips, &sheets, &mut observer)?;
     report.timing.wall_s = began.elapsed().as_secs_f64();
     stage.write("report.json", report.to_json().as_bytes())?;
     let files = stage.publish()?;
-    Ok(Made { report, files, stopped_early: observer.stopped })
+    Ok(Made { report, files })
 }
 
 /// Remembers that the user asked to stop.

@@ -3,13 +3,15 @@
 use super::Error;
 use super::output::{absolute, relative};
 use crate::design::{Design, Foot, MeshSource, PartDesign, SCHEMA, Up};
+use crate::mesh;
 use sha2::{Digest, Sha256};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// A design and where it lives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Order {
-    /// The decisions, command line applied.
+    /// The decisions, command line applied. Machines and materials that are files have absolute paths.
     pub design: Design,
     /// The design file's text, when there was one.
     pub text: Option<String>,
@@ -45,7 +47,6 @@ impl Order {
     /// The default design for a mesh: one part, everything else from the shape.
     pub fn from_mesh(mesh: &Path, overrides: &Overrides) -> Result<Order, Error> {
         let mesh = absolute(mesh)?;
-        let bytes = std::fs::read(&mesh).map_err(Error::file(&mesh))?;
         let folder = mesh.parent().map_or_else(PathBuf::new, Path::to_path_buf);
         let file = mesh.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let design = Design {
@@ -53,7 +54,7 @@ impl Order {
             machine: NOT_NAMED.into(),
             material: NOT_NAMED.into(),
             stock: Vec::new(),
-            mesh: MeshSource { file, sha256: Some(sha256(&bytes)), up: None, height_mm: None },
+            mesh: MeshSource { file, sha256: Some(sha256_of(&mesh)?), up: None, height_mm: None },
             parts: vec![PartDesign { name: "A".into(), plane: None, layers: None, foot: Foot::Auto }],
         };
         Ok(Order { design: overridden(design, overrides)?, text: None, folder, force: false })
@@ -62,16 +63,27 @@ impl Order {
     /// A design file.
     pub fn from_file(path: &Path, overrides: &Overrides) -> Result<Order, Error> {
         let text = std::fs::read_to_string(path).map_err(Error::file(path))?;
-        let design = Design::parse(&path.display().to_string(), &text)?;
+        let mut design = Design::parse(&path.display().to_string(), &text)?;
         let path = absolute(path)?;
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+        for name in [&mut design.machine, &mut design.material] {
+            if is_path(name) {
+                *name = absolute(&folder.join(&*name))?.display().to_string();
+            }
+        }
         Ok(Order { design: overridden(design, overrides)?, text: Some(text), folder, force: false })
     }
 
     /// The design file's text for `out_dir`: re-runnable from there, comments kept.
     pub fn text_for(&self, out_dir: &Path) -> Result<String, Error> {
         let mut design = self.design.clone();
-        design.mesh.file = relative(&absolute(out_dir)?, &self.folder.join(&self.design.mesh.file));
+        let out_dir = absolute(out_dir)?;
+        design.mesh.file = relative(&out_dir, &absolute(&self.folder.join(&self.design.mesh.file))?);
+        for name in [&mut design.machine, &mut design.material] {
+            if is_path(name) {
+                *name = relative(&out_dir, Path::new(name));
+            }
+        }
         match &self.text {
             None => Ok(design.to_toml()),
             Some(text) => Ok(design.written_over("design.toml", text)?),
@@ -87,15 +99,28 @@ impl Order {
     pub fn hash(&self) -> String {
         let mut design = self.design.clone();
         let path = Path::new(&design.mesh.file);
-        design.mesh.file = path.file_name().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        let last = |path: &Path| path.file_name().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        design.machine = last(Path::new(&self.design.machine));
+        design.material = last(Path::new(&self.design.material));
+        design.mesh.file = last(path);
         sha256(design.to_toml().as_bytes())[..12].to_owned()
     }
 }
 
+/// Whether a machine or material is named by a file instead of a name in the library.
+fn is_path(name: &str) -> bool {
+    name.contains(['/', '\\']) || name.ends_with(".toml")
+}
+
 fn overridden(mut design: Design, overrides: &Overrides) -> Result<Design, Error> {
     let Overrides { machine, material, stock, height_mm, up, layers, foot } = overrides.clone();
-    design.machine = machine.unwrap_or(design.machine);
-    design.material = material.unwrap_or(design.material);
+    for (from_command_line, own) in [(machine, &mut design.machine), (material, &mut design.material)] {
+        match from_command_line {
+            Some(path) if is_path(&path) => *own = absolute(Path::new(&path))?.display().to_string(),
+            Some(name) => *own = name,
+            None => {}
+        }
+    }
     if !stock.is_empty() {
         design.stock = stock;
     }
@@ -110,6 +135,23 @@ fn overridden(mut design: Design, overrides: &Overrides) -> Result<Design, Error
 }
 
 /// SHA-256 in hexadecimal.
-pub(super) fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+fn hexadecimal(digest: &[u8]) -> String {
+    digest.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// SHA-256 of a mesh file, read piece by piece. Files that no mesh may be (see [`mesh::MAX_BYTES`]) are hashed up to there only: loading refuses them.
+pub(super) fn sha256_of(path: &Path) -> Result<String, Error> {
+    let mut file = std::fs::File::open(path).map_err(Error::file(path))?.take(mesh::MAX_BYTES);
+    let (mut hash, mut block) = (Sha256::new(), vec![0; 1 << 16]);
+    loop {
+        let read = file.read(&mut block).map_err(Error::file(path))?;
+        if read == 0 {
+            return Ok(hexadecimal(&hash.finalize()));
+        }
+        hash.update(&block[..read]);
+    }
 }

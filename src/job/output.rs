@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-/// Files on their way into a folder: written beside it, moved in at the end.
+/// Files on their way into a folder: written into a hidden folder inside it, moved into place at the end.
 #[derive(Debug)]
 pub(super) struct Stage {
     target: PathBuf,
@@ -18,12 +18,12 @@ const OWN_FOLDERS: [(&str, &[&str]); 3] =
     [("parts", &["svg", "png"]), ("strips", &["svg", "dxf"]), ("sheets", &["svg", "dxf", "nc", "png"])];
 
 impl Stage {
-    /// Opens a staging folder next to `target`, on the same file system.
+    /// Opens a staging folder inside `target`, so that both are on the same file system.
     pub fn new(target: &Path) -> Result<Stage, Error> {
         let target = absolute(target)?;
-        let parent = target.parent().unwrap_or(&target);
-        fs::create_dir_all(parent).map_err(Error::file(parent))?;
-        let staging = tempfile::Builder::new().prefix(".furbelow-").tempdir_in(parent).map_err(Error::file(parent))?;
+        fs::create_dir_all(&target).map_err(Error::file(&target))?;
+        let staging =
+            tempfile::Builder::new().prefix(".furbelow-").tempdir_in(&target).map_err(Error::file(&target))?;
         Ok(Stage { target, staging, files: Vec::new() })
     }
 
@@ -34,7 +34,7 @@ impl Stage {
 
     /// Stages one file; `name` is relative to the target folder.
     pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), Error> {
-        let path = self.staging.path().join(name);
+        let path = self.staging.path().join("new").join(name);
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(Error::file(folder))?;
         }
@@ -43,26 +43,70 @@ impl Stage {
         Ok(())
     }
 
-    /// Moves every staged file into place and removes what earlier runs left in our own folders.
+    /// Moves every staged file into place and removes what earlier runs left in our own folders. When anything fails on the way, everything is put back.
     pub fn publish(self) -> Result<Vec<PathBuf>, Error> {
-        let Stage { target, staging, files } = self;
-        let wanted: BTreeSet<PathBuf> = files.iter().map(|f| target.join(f)).collect();
-        for (file, to) in files.iter().map(|f| (f, target.join(f))) {
+        let mut moved = Moved { new: Vec::new(), old: Vec::new() };
+        match self.move_all(&mut moved) {
+            Ok(()) => Ok(self.files),
+            Err(error) => {
+                moved.put_back();
+                Err(error)
+            }
+        }
+    }
+
+    fn move_all(&self, moved: &mut Moved) -> Result<(), Error> {
+        let (new, old) = (self.staging.path().join("new"), self.staging.path().join("old"));
+        let stale = self.stale();
+        for (n, path) in self.files.iter().map(|file| self.target.join(file)).chain(stale).enumerate() {
+            if path.exists() {
+                let aside = old.join(n.to_string());
+                fs::create_dir_all(&old).map_err(Error::file(&old))?;
+                fs::rename(&path, &aside).map_err(Error::file(&path))?;
+                moved.old.push((aside, path));
+            }
+        }
+        for file in &self.files {
+            let to = self.target.join(file);
             if let Some(folder) = to.parent() {
                 fs::create_dir_all(folder).map_err(Error::file(folder))?;
             }
-            fs::rename(staging.path().join(file), &to).map_err(Error::file(&to))?;
+            fs::rename(new.join(file), &to).map_err(Error::file(&to))?;
+            moved.new.push(to);
         }
+        Ok(())
+    }
+
+    /// Files of ours that this run does not write.
+    fn stale(&self) -> Vec<PathBuf> {
+        let wanted: BTreeSet<PathBuf> = self.files.iter().map(|f| self.target.join(f)).collect();
+        let mut stale = Vec::new();
         for (folder, endings) in OWN_FOLDERS {
-            let Ok(entries) = fs::read_dir(target.join(folder)) else { continue };
-            for path in entries.flatten().map(|entry| entry.path()) {
-                let ours = path.extension().is_some_and(|e| endings.iter().any(|ending| e == *ending));
-                if ours && !wanted.contains(&path) {
-                    fs::remove_file(&path).map_err(Error::file(&path))?;
-                }
-            }
+            let Ok(entries) = fs::read_dir(self.target.join(folder)) else { continue };
+            let paths = entries.flatten().map(|entry| entry.path());
+            let ours = |p: &PathBuf| p.extension().is_some_and(|e| endings.iter().any(|ending| e == *ending));
+            stale.extend(paths.filter(|p| p.is_file() && ours(p) && !wanted.contains(p)));
         }
-        Ok(files)
+        stale
+    }
+}
+
+/// What a publication has moved so far.
+struct Moved {
+    new: Vec<PathBuf>,
+    /// Where an old file was put, and where it was.
+    old: Vec<(PathBuf, PathBuf)>,
+}
+
+impl Moved {
+    fn put_back(self) {
+        // Errors here leave nothing better to do: the first one is what the user is told.
+        for path in self.new {
+            let _ = fs::remove_file(path);
+        }
+        for (aside, path) in self.old {
+            let _ = fs::rename(aside, path);
+        }
     }
 }
 
@@ -80,16 +124,21 @@ pub(super) fn refuse_foreign_design(out_dir: &Path, order: &Order) -> Result<(),
     }
 }
 
-/// The path with the current folder before it when it is relative, without `.` and `..`.
+/// The path from the root, links resolved as far as it exists, without `.` and `..`.
 pub(super) fn absolute(path: &Path) -> Result<PathBuf, Error> {
+    let whole = std::path::absolute(path).map_err(Error::file(path))?;
     let mut clean = PathBuf::new();
-    for component in std::path::absolute(path).map_err(Error::file(path))?.components() {
+    for component in whole.components() {
         match component {
             Component::ParentDir => {
                 clean.pop();
             }
             Component::CurDir => {}
-            other => clean.push(other),
+            other => {
+                clean.push(other);
+                // A link means what it points to, also for a `..` that follows.
+                clean = fs::canonicalize(&clean).unwrap_or(clean);
+            }
         }
     }
     Ok(clean)
@@ -132,8 +181,40 @@ mod tests {
         assert_eq!(fs::read(out.join("sheets/sheet-01.nc")).unwrap(), b"new");
         assert!(!out.join("sheets/sheet-02.nc").exists());
         assert!(out.join("sheets/notes.txt").exists());
-        let left: Vec<_> = fs::read_dir(folder.path()).unwrap().flatten().collect();
-        assert_eq!(left.len(), 1, "no staging folder is left behind");
+        let left: Vec<_> = fs::read_dir(&out).unwrap().flatten().map(|e| e.file_name()).collect();
+        assert_eq!(left, ["sheets"], "no staging folder is left behind");
+    }
+
+    #[test]
+    fn a_publication_that_fails_half_way_puts_everything_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        let mut first = Stage::new(&out).unwrap();
+        first.write("design.toml", b"old").unwrap();
+        first.write("parts/A.svg", b"old").unwrap();
+        first.publish().unwrap();
+        // Somebody put a file where a folder must be.
+        fs::write(out.join("sheets"), b"mine").unwrap();
+        let mut second = Stage::new(&out).unwrap();
+        for name in ["design.toml", "parts/B.svg", "sheets/sheet-01.nc"] {
+            second.write(name, b"new").unwrap();
+        }
+        assert!(second.publish().is_err());
+        assert_eq!(fs::read(out.join("design.toml")).unwrap(), b"old");
+        assert_eq!(fs::read(out.join("parts/A.svg")).unwrap(), b"old");
+        assert!(!out.join("parts/B.svg").exists());
+        assert_eq!(fs::read(out.join("sheets")).unwrap(), b"mine");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_before_a_way_is_worked_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = fs::canonicalize(folder.path()).unwrap();
+        fs::create_dir_all(root.join("far/away")).unwrap();
+        std::os::unix::fs::symlink(root.join("far/away"), root.join("out")).unwrap();
+        let out = absolute(&folder.path().join("out")).unwrap();
+        assert_eq!(relative(&out, &root.join("stool.obj")), "../../stool.obj");
     }
 
     #[test]
@@ -143,6 +224,6 @@ mod tests {
         let mut stage = Stage::new(&out).unwrap();
         stage.write("report.json", b"{}").unwrap();
         drop(stage);
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        assert_eq!(fs::read_dir(out).unwrap().count(), 0);
     }
 }

@@ -1,12 +1,13 @@
 //! What a design means: its mesh, cut and filled.
 
 use super::Error;
-use super::order::sha256;
+use super::order::sha256_of;
 use super::settings::Setup;
 use crate::cut::{cut, default_plane};
 use crate::design::Design;
 use crate::extrude::Extruder;
 use crate::fit::{self, Part, Target};
+use crate::geom::tolerance;
 use crate::mesh;
 use crate::progress::{Observer, Warning};
 use std::path::Path;
@@ -31,7 +32,7 @@ pub fn realise(design: &Design, folder: &Path, setup: &Setup, observer: &mut dyn
     let loaded = mesh::load(&path, &setup.mesh(design))?;
     let mut warnings = loaded.warnings;
     if let Some(expected) = &design.mesh.sha256 {
-        let found = sha256(&std::fs::read(&path).map_err(Error::file(&path))?);
+        let found = sha256_of(&path)?;
         if found != *expected {
             let message =
                 format!("{} is not the file the design was made from; what follows may differ", design.mesh.file);
@@ -66,6 +67,17 @@ pub fn realise(design: &Design, folder: &Path, setup: &Setup, observer: &mut dyn
         let settled = fit::settle(&target, &settings, filled)?;
         realised.solve_ms += began.elapsed().as_secs_f64() * 1e3;
         realised.warnings.extend(fit::warnings(&settled, &settings));
+        let least = setup.joint().min_width_mm;
+        let at_least = settled.spans.iter().filter(|s| s.width() <= least + tolerance::LIMIT_SLACK_MM).count();
+        if 2 * at_least > settled.spans.len() {
+            realised.warnings.push(
+                Warning::new(
+                    "depth-widened",
+                    format!("most of the shape is thinner than the {least:.0} mm a strip needs for its joints: the strip is made {least:.0} mm wide there"),
+                )
+                .in_part(name()),
+            );
+        }
         realised.parts.push(settled);
     }
     Ok(realised)

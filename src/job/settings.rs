@@ -1,11 +1,14 @@
 //! The only place where machine and profile become the stages' settings.
 
 use super::Error;
-use crate::config::{self, Air, AirCode, Grain, Library, Machine, Pairing, Profile};
+use crate::config::{self, Air, AirCode, Corner, Grain, Library, Machine, Pairing, Profile, ToolClass};
 use crate::design::{Design, Foot, Up};
 use crate::geom::{P2, Rect};
 use crate::progress::Warning;
 use crate::{cut, fit, gcode, mesh, nest, sim, strip, toolpath};
+
+/// Sheets thinner than this, mm, lift and blow away when nothing holds them.
+const THIN_MM: f64 = 0.5;
 
 /// Machine, material and how they go together.
 #[derive(Debug, Clone)]
@@ -37,7 +40,30 @@ impl Setup {
                 "has no laser: take the drawings in strips/ and sheets/ of a laser job to your cutter's own program",
             );
         }
+        if machine.origin != Corner::FrontLeft {
+            return unusable(
+                "has its origin elsewhere than front-left: sheets are written with X0 Y0 at their lower left corner; set the zero there and say origin = \"front-left\"",
+            );
+        }
         let mut warnings = pairing.warnings.clone();
+        if profile.thickness_mm < THIN_MM {
+            warnings.push(Warning::new(
+                "not-held",
+                "nothing holds a piece once its outline is cut: use a tacky mat or a honeycomb with magnets, and little air",
+            ));
+        }
+        let floor = machine.tool.power_floor;
+        if machine.tool.class == ToolClass::Co2 && pairing.cut.power < 2.0 * floor {
+            warnings.push(Warning::new(
+                "power-floor",
+                format!(
+                    "power follows speed, and below {:.0} % {}'s tube does not strike: at {:.0} % the ends of short cuts may stay attached",
+                    100.0 * floor,
+                    machine.name,
+                    100.0 * pairing.cut.power
+                ),
+            ));
+        }
         if pairing.engrave.is_none() {
             warnings.push(Warning::new(
                 "no-labels",
@@ -138,7 +164,12 @@ impl Setup {
 
     /// How pieces are placed.
     pub fn nest(&self) -> nest::Settings {
-        nest::Settings { spacing_mm: self.profile.spacing_mm, margin_mm: self.profile.margin_mm }
+        // The cut itself needs room, however close the user wants the pieces.
+        let kerf = self.pairing.cut.kerf_mm;
+        nest::Settings {
+            spacing_mm: self.profile.spacing_mm.max(kerf),
+            margin_mm: self.profile.margin_mm.max(0.5 * kerf),
+        }
     }
 
     /// Turns a piece may take on a sheet whose grain runs along x, degrees.
@@ -149,7 +180,7 @@ impl Setup {
         }
     }
 
-    /// How a sheet is cut. Where nothing is engraved there are no engraved paths either, and the cut's values stand in.
+    /// How a sheet is cut.
     pub fn toolpath(&self) -> toolpath::Settings {
         let process = |p: &config::Process| toolpath::Process {
             feed_mm_per_min: p.feed_mm_per_min,
@@ -164,7 +195,7 @@ impl Setup {
         let cut = process(&self.pairing.cut);
         toolpath::Settings {
             kerf_mm: self.pairing.cut.kerf_mm,
-            engrave: self.pairing.engrave.as_ref().map_or(cut, process),
+            engrave: self.pairing.engrave.as_ref().map(process),
             cut_inner: cut,
             cut_outline: cut,
             work_area: self.reach(),

@@ -61,9 +61,8 @@ pub(super) fn sheets(
     let layouts = nest::nest(&items, &containers, &setup.nest(), observer)?;
     let count = layouts.layouts.len();
     let used: Vec<_> = layouts.layouts.iter().map(|l| &strips.stock[l.container]).collect();
-    let mut distinct = used.clone();
-    distinct.dedup();
-    let warnings = stock::warnings(&distinct, setup);
+    let cut_from: Vec<_> = strips.stock.iter().filter(|sheet| used.contains(sheet)).collect();
+    let warnings = stock::warnings(&cut_from, setup);
     let sheets = layouts
         .layouts
         .into_iter()
@@ -116,7 +115,6 @@ fn header(
     let bounds = toolpath.bounds();
     let cut = &setup.pairing.cut;
     let mut entries = vec![
-        ("furbelow", env!("CARGO_PKG_VERSION").to_owned()),
         ("job", order.name()),
         ("design", order.hash()),
         ("sheet", format!("{number}/{count} {stock} {:.0} x {:.0} mm", toolpath.width_mm, toolpath.height_mm)),

@@ -105,12 +105,24 @@ pub(super) fn longest_piece_mm(sheet: &Sheet, setup: &Setup) -> f64 {
     along - 2.0 * setup.profile.margin_mm - FIT_SLACK_MM
 }
 
+/// Widest piece that fits a sheet across its grain, mm.
+pub(super) fn widest_piece_mm(sheet: &Sheet, setup: &Setup) -> f64 {
+    let size = container(sheet, setup).size_mm();
+    let across = if setup.profile.grain == Grain::Directional { size.y } else { size.x.min(size.y) };
+    across - 2.0 * setup.profile.margin_mm - FIT_SLACK_MM
+}
+
+/// How far a sheet hangs over the machine's reach, mm.
+pub(super) fn overhang_mm(sheet: &Sheet, setup: &Setup) -> f64 {
+    let reach = setup.reach();
+    (sheet.width_mm - reach.width()).max(sheet.height_mm - reach.height()).max(0.0)
+}
+
 /// What the user should know about the sheets that were used.
 pub(super) fn warnings(used: &[&Sheet], setup: &Setup) -> Vec<Warning> {
-    let reach = setup.reach();
     let mut warnings = Vec::new();
     for sheet in used {
-        let over = (sheet.width_mm - reach.width()).max(sheet.height_mm - reach.height());
+        let over = overhang_mm(sheet, setup);
         if over > 0.0 {
             warnings.push(Warning::new(
                 "stock-overhangs",

@@ -21,26 +21,44 @@ pub(super) struct Strips {
     pub warnings: Vec<Warning>,
 }
 
-/// Lays all parts flat. Where the design names no stock, the first the material offers on which no strip needs a splice is taken, else the one with the
-/// fewest pieces: a splice is work and a weak place.
+/// Lays all parts flat. Where the design names stock, the first of it is taken on which every piece fits, or all of it together when no single one will do. Where it
+/// names none, the material's stock is tried, what lies on the machine without hanging over first, and the fewest pieces win: a splice is work and a weak place.
 pub(super) fn strips(realised: &Realised, setup: &Setup) -> Result<Strips, Error> {
     let sheets = stock::sheets(setup)?;
+    let tried = |sheet: &Sheet| flat(realised, setup, vec![sheet.clone()]).map(|s| (fits(&s, sheet, setup), s));
     if !setup.stock.is_empty() {
-        return flat(realised, setup, sheets);
-    }
-    let mut best: Option<Result<Strips, Error>> = None;
-    for sheet in sheets {
-        let tried = flat(realised, setup, vec![sheet]);
-        let fewer = match (&best, &tried) {
-            (None | Some(Err(_)), _) => true,
-            (Some(Ok(_)), Err(_)) => false,
-            (Some(Ok(best)), Ok(tried)) => tried.pieces.len() < best.pieces.len(),
+        let first = sheets.iter().filter(|s| s.count.is_none()).map(tried).find(|t| matches!(t, Ok((true, _))));
+        return match first {
+            Some(Ok((_, strips))) => Ok(strips),
+            _ => flat(realised, setup, sheets),
         };
-        if fewer {
-            best = Some(tried);
+    }
+    let mut best: Option<((bool, bool, usize), Strips)> = None;
+    let mut refused = None;
+    for sheet in &sheets {
+        match tried(sheet) {
+            Ok((fits, strips)) => {
+                let rank = (!fits, stock::overhang_mm(sheet, setup) > 0.0, strips.pieces.len());
+                if best.as_ref().is_none_or(|(b, _)| rank < *b) {
+                    best = Some((rank, strips));
+                }
+            }
+            Err(error) => refused = refused.or(Some(error)),
         }
     }
-    best.expect("there is at least one kind of sheet")
+    match (best, refused) {
+        (Some((_, strips)), _) => Ok(strips),
+        (None, Some(error)) => Err(error),
+        (None, None) => {
+            Err(Error::NoStock { profile: setup.profile.name.clone(), machine: setup.machine.name.clone() })
+        }
+    }
+}
+
+/// True when every piece is narrow enough for the sheet; that none is too long was seen to.
+fn fits(strips: &Strips, sheet: &Sheet, setup: &Setup) -> bool {
+    let widest = strips.pieces.iter().map(|p| p.width_mm).fold(0.0, f64::max);
+    widest <= stock::widest_piece_mm(sheet, setup)
 }
 
 fn flat(realised: &Realised, setup: &Setup, stock: Vec<Sheet>) -> Result<Strips, Error> {

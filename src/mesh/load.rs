@@ -10,7 +10,7 @@ use std::io::Read;
 use std::path::Path;
 
 /// Longest file that is read, bytes.
-const MAX_BYTES: u64 = 1 << 30;
+pub const MAX_BYTES: u64 = 1 << 30;
 /// Most triangles that are kept: ten times a detailed scan, and about 1 GiB of memory at the widest point of the way.
 pub(super) const MAX_FACES: usize = 4_000_000;
 /// So many holes and gaps are named one by one; the rest is counted.
@@ -127,6 +127,8 @@ pub fn load(path: &Path, settings: &Settings) -> Result<Loaded, Error> {
 /// Broken syntax, indices or numbers (with the place), no faces, over four million triangles, a flat or gigantic body, and a height that
 /// makes no sense in mm when none is given.
 pub fn parse(name: &str, bytes: &[u8], format: Format, settings: &Settings) -> Result<Loaded, Error> {
+    // Some programs begin text files with a byte order mark.
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     if bytes.is_empty() {
         return Err(Error::NoFaces { name: name.into() });
     }

@@ -19,5 +19,5 @@ mod trimesh;
 mod weld;
 
 pub use error::Error;
-pub use load::{Format, Loaded, Settings, Up, load, parse};
+pub use load::{Format, Loaded, MAX_BYTES, Settings, Up, load, parse};
 pub use trimesh::TriMesh;

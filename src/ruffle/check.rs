@@ -103,3 +103,52 @@ impl Ruffle {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ruffle::{Node, uniform_stack};
+
+    #[test]
+    fn every_way_to_break_a_ruffle_is_noticed() {
+        let good = uniform_stack(2, 30.0, 50.0, 5.0).ruffle;
+        assert_eq!(good.check(), Ok(()));
+        let flaw = |spoil: &dyn Fn(&mut Ruffle)| {
+            let mut ruffle = good.clone();
+            spoil(&mut ruffle);
+            ruffle.check().unwrap_err()
+        };
+        assert!(matches!(
+            flaw(&|r| {
+                r.walk.pop();
+            }),
+            Flaw::WalkLength { .. }
+        ));
+        assert!(matches!(flaw(&|r| r.walk[3] = Node(9999)), Flaw::NoSuchNode { position: 3, .. }));
+        assert!(matches!(flaw(&|r| r.node_count += 1), Flaw::Orphan { .. }));
+        assert!(matches!(flaw(&|r| r.rest_lengths[4] = 0.0), Flaw::BadSegment { segment: 4, .. }));
+        assert!(matches!(flaw(&|r| r.rest_lengths[4] = f64::NAN), Flaw::BadSegment { segment: 4, .. }));
+        assert!(matches!(flaw(&|r| r.sections[1].first_segment += 1), Flaw::SectionGap { section: 1, .. }));
+        assert!(matches!(
+            flaw(&|r| {
+                r.sections.pop();
+            }),
+            Flaw::SectionGap { .. }
+        ));
+        assert!(matches!(
+            flaw(&|r| {
+                let end = r.sections[1].end_segment;
+                r.sections[0].end_segment = end;
+                r.sections.remove(1);
+                // The walk now meets the first connection inside the first section.
+                let first = r.sections[0].first_segment + 2;
+                let joint = r.walk[r.walk.len() - 1];
+                let orphan = r.walk[first];
+                r.walk[first] = joint;
+                let last = r.walk.len() - 1;
+                r.walk[last - 1] = orphan;
+            }),
+            Flaw::ConnectionInside { .. } | Flaw::Orphan { .. }
+        ));
+    }
+}

@@ -15,7 +15,10 @@ const LAYER_COST: f64 = 0.004;
 
 /// Inside cells of every column up to every row, and the raster's place.
 struct Raster {
+    /// Side of a cell along u, and nearly along v, mm.
     cell_mm: f64,
+    /// Height of a row, mm: the rows share the outline's height evenly.
+    row_mm: f64,
     left: f64,
     bottom: f64,
     columns: usize,
@@ -40,10 +43,11 @@ struct Step {
     band: Band,
 }
 
-/// Divides `outline` into rectangles from the floor up, each at least `min_aspect` times as high as wide.
+/// Divides `outline` into rectangles from the floor up, each at least `min_aspect` times as high as wide. For every layer count and height the best stack is kept;
+/// that a worse one below might have shared a longer rung is not looked into.
 pub(super) fn slabs(outline: &Outline, min_aspect: f64, settings: &StackSettings) -> Result<Vec<Slab>, StackError> {
     let raster = Raster::new(outline);
-    let steps_of = |mm: f64| mm / raster.cell_mm;
+    let steps_of = |mm: f64| mm / raster.row_mm;
     let lowest = (steps_of(settings.min_layer_mm).ceil() as usize).max(1);
     let highest = (steps_of(settings.max_layer_mm) as usize).max(lowest);
     let most = raster.rows / lowest;
@@ -147,9 +151,10 @@ impl Raster {
         let cell_mm = (bounds.height() / MAX_ROWS as f64).max(1.0);
         let cells = |mm: f64| (mm / cell_mm).round().max(1.0) as usize;
         let (columns, rows) = (cells(bounds.width()), cells(bounds.height()));
+        let row_mm = bounds.height() / rows as f64;
         let mut below = vec![0; (rows + 1) * columns];
         for row in 0..rows {
-            let v = bounds.min.y + (row as f64 + 0.5) * bounds.height() / rows as f64;
+            let v = bounds.min.y + (row as f64 + 0.5) * row_mm;
             let chords = outline.chords(v);
             for column in 0..columns {
                 let u = bounds.min.x + (column as f64 + 0.5) * cell_mm;
@@ -157,7 +162,7 @@ impl Raster {
                 below[(row + 1) * columns + column] = below[row * columns + column] + u32::from(inside);
             }
         }
-        Raster { cell_mm, left: bounds.min.x, bottom: bounds.min.y, columns, rows, below }
+        Raster { cell_mm, row_mm, left: bounds.min.x, bottom: bounds.min.y, columns, rows, below }
     }
 
     /// Inside cells of a column between two rows.
@@ -167,7 +172,7 @@ impl Raster {
 
     fn slab(&self, from: usize, top: usize, band: &Band) -> Slab {
         let u = |column: usize| self.left + column as f64 * self.cell_mm;
-        let v = |row: usize| self.bottom + row as f64 * self.cell_mm;
+        let v = |row: usize| self.bottom + row as f64 * self.row_mm;
         Slab { bottom: v(from), top: v(top), left: u(band.left), right: u(band.right) }
     }
 }

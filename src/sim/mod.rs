@@ -38,7 +38,7 @@ pub struct Material {
 pub const GRAVITY_MM_PER_S2: f64 = 9806.65;
 
 impl Material {
-    /// Weight per area, N/mm²: g/m² is 1e-9 kg per mm² per thousandth, and N is kg m/s².
+    /// Weight per area, N/mm²: 1 g/m² is 1e-9 kg/mm², and 1 kg mm/s² is 1e-3 N.
     pub fn weight_n_per_mm2(&self) -> f64 {
         self.grammage_g_per_m2 * 1e-9 * GRAVITY_MM_PER_S2 * 1e-3
     }

@@ -212,7 +212,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Finds the rest position near `start` (plane frame, mm, one position per node) to rest. Held nodes stay where `start` has them.
+    /// Finds the rest position near `start` (plane frame, mm, one position per node) to rest. Held nodes stay where `start` has them, on the floor if that was below it.
     ///
     /// The first solve starts from a drawing, far from rest. There a stiff membrane lets the strip turn only a little at a time, because every turn along a
     /// straight step stretches it. So the first solve lets the strip settle with a soft membrane before it does so with the real one.

@@ -119,8 +119,10 @@ struct Bed {
     ahead: f64,
 }
 
-/// The widest band that holds the flap on its pass and the slits on the others, with the flap pointing whichever way gives more.
+/// The widest band that holds the flap on its pass and the slits on the others, with room to the edges before and behind. The flap points whichever way gives more, on
+/// an end of the strip always inward.
 fn bed(connection: &ConnectionPoint, flap_pass: usize, stations: &[f64], edges: &Edges, joint: &Joint) -> Bed {
+    let clear = joint.edge_distance_mm;
     let band = |ahead: f64| {
         connection.passes.iter().enumerate().fold((f64::NEG_INFINITY, f64::INFINITY), |(lo, hi), (pass, k)| {
             let s = stations[*k];
@@ -129,25 +131,28 @@ fn bed(connection: &ConnectionPoint, flap_pass: usize, stations: &[f64], edges: 
             } else {
                 (-joint.slit_ahead_mm, joint.slit_ahead_mm)
             };
-            let (l, h) = edges.band(s + back.min(front)..s + back.max(front));
+            let (l, h) = edges.band(s + back.min(front) - clear..s + back.max(front) + clear);
             (lo.max(l), hi.min(h))
         })
     };
     let (on, back) = (band(1.0), band(-1.0));
-    if back.1 - back.0 > on.1 - on.0 + tolerance::LIMIT_SLACK_MM {
+    let at = connection.passes[flap_pass];
+    let only_back = at + 1 == stations.len();
+    let wider_back = at > 0 && back.1 - back.0 > on.1 - on.0 + tolerance::LIMIT_SLACK_MM;
+    if only_back || wider_back {
         Bed { lo: back.0, hi: back.1, ahead: -1.0 }
     } else {
         Bed { lo: on.0, hi: on.1, ahead: 1.0 }
     }
 }
 
-/// The pass that carries the flap: the one that bends most, since a flap on the convex side of a bend lifts by itself toward its partner. Never an end of the strip,
-/// whose tab is too short for one.
+/// The pass that carries the flap. At an end of the strip that is the end: the other sheet lies inside of it, so that the flap goes into the object and not out
+/// through its floor or top. Elsewhere the pass that bends most, since a flap on the convex side of a bend lifts by itself toward its partner.
 fn flap_pass(part: &Part, connection: &ConnectionPoint) -> usize {
     let (ruffle, x) = (&part.ruffle, &part.equilibrium.positions);
     let bend = |k: usize| {
         if k == 0 || k == ruffle.rest_lengths.len() {
-            return 0.0;
+            return f64::INFINITY;
         }
         let (e1, e2) = (x[ruffle.at(k)] - x[ruffle.at(k - 1)], x[ruffle.at(k + 1)] - x[ruffle.at(k)]);
         e1.angle(&e2) / (ruffle.rest_lengths[k - 1] + ruffle.rest_lengths[k])
@@ -157,35 +162,55 @@ fn flap_pass(part: &Part, connection: &ConnectionPoint) -> usize {
         .unwrap_or(0)
 }
 
-/// Pairs of a flap and a slit that belong together.
-pub(super) struct Mating<'a>(Vec<(&'a Fastening, &'a Fastening)>);
-
-impl Mating<'_> {
-    /// Every flap with every slit of its joint.
-    pub fn of(fastenings: &[Fastening]) -> Mating<'_> {
-        let flaps = fastenings.iter().filter(|f| f.is_flap);
-        let slits = |flap: &'_ Fastening| {
-            let joint = flap.joint.clone();
-            fastenings.iter().filter(move |f| !f.is_flap && f.joint == joint)
+/// Largest distance between where a flap's root finds its slit and where it should, mm. Both are taken from the drawn cuts and bent along the equilibrium: root and
+/// slit pass through the same point of space, at the same height, and the slit lies ahead of it by the joint's lead, the way the flap points.
+pub(super) fn worst_mating_error_mm<'a>(
+    part: &Part,
+    cuts: impl Iterator<Item = &'a DrawnPath> + Clone,
+    joint: &Joint,
+) -> f64 {
+    let curve = Curve { part, stations: part.ruffle.stations() };
+    let slits = || cuts.clone().filter(|c| c.role == Role::Slit);
+    let errors = cuts.clone().filter(|c| c.role == Role::Flap).map(|flap| {
+        let ends = [flap.path.start(), flap.path.vertices.last().map(|v| v.point)].map(Option::unwrap_or_default);
+        let root = nalgebra::center(&ends[0], &ends[1]);
+        let points = curve.direction(root.x) * (flap.path.bounds().center().x - root.x).signum();
+        let off = |slit: &DrawnPath| {
+            let middle = slit.path.bounds().center();
+            let pass = curve.nearest_pass(middle.x, curve.place(root.x));
+            let lead = (middle.x - pass) * curve.direction(pass).dot(&points).signum();
+            let apart = (curve.place(pass) - curve.place(root.x)).norm();
+            apart.hypot(lead - joint.slit_ahead_mm).hypot(middle.y - root.y)
         };
-        Mating(flaps.flat_map(|f| slits(f).map(move |s| (f, s))).collect())
+        slits().filter(|s| s.joint == flap.joint).map(off).fold(f64::INFINITY, f64::min)
+    });
+    errors.fold(0.0, f64::max)
+}
+
+/// The strip as it lies, by distance along it.
+struct Curve<'a> {
+    part: &'a Part,
+    stations: Vec<f64>,
+}
+
+impl Curve<'_> {
+    fn place(&self, s: f64) -> P2 {
+        let k = self.stations.partition_point(|t| *t <= s).clamp(1, self.stations.len() - 1);
+        let t = (s - self.stations[k - 1]) / (self.stations[k] - self.stations[k - 1]);
+        let x = &self.part.equilibrium.positions;
+        let (a, b) = (x[self.part.ruffle.at(k - 1)], x[self.part.ruffle.at(k)]);
+        a + (b - a) * t
     }
 
-    /// Largest distance in space between a flap's root and its slit when both are bent along the equilibrium, lead taken off, mm.
-    pub fn worst_error_mm(&self, part: &Part) -> f64 {
-        let stations = part.ruffle.stations();
-        let place = |s: f64| -> P2 {
-            let k = stations.partition_point(|t| *t <= s).clamp(1, stations.len() - 1);
-            let t = (s - stations[k - 1]) / (stations[k] - stations[k - 1]);
-            let x = &part.equilibrium.positions;
-            let (a, b) = (x[part.ruffle.at(k - 1)], x[part.ruffle.at(k)]);
-            a + (b - a) * t
-        };
-        let error = |(flap, slit): &(&Fastening, &Fastening)| {
-            let in_plane = (place(flap.station_mm) - place(slit.station_mm)).norm();
-            let across = flap.across_mm.iter().zip(&slit.across_mm).map(|(a, b)| (a - b).abs());
-            across.fold(in_plane, |worst, d| worst.max(d.hypot(in_plane)))
-        };
-        self.0.iter().map(error).fold(0.0, f64::max)
+    /// Direction of growing s, over a few millimetres: the strip bends, its segments do not.
+    fn direction(&self, s: f64) -> V2 {
+        (self.place(s + 2.0) - self.place(s - 2.0)).normalize()
+    }
+
+    /// The station near `s` at which the strip comes closest to `at`.
+    fn nearest_pass(&self, s: f64, at: P2) -> f64 {
+        let near = self.stations.iter().copied().filter(|t| (t - s).abs() < 10.0);
+        let distance = |t: f64| (self.place(t) - at).norm();
+        near.min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(s)
     }
 }

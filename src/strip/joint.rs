@@ -60,15 +60,18 @@ impl Joint {
         self.slit_length_mm - self.neck_mm
     }
 
-    /// Number of flaps side by side in a strip `width_mm` wide: one below 45 mm, two up to 100, then one per 50.
+    /// Number of flaps side by side in a strip `width_mm` wide: one below 45 mm, two up to 100, then one per 50; fewer where their heads and hooks would come too
+    /// close to the edges or to each other.
     pub fn count(&self, width_mm: f64) -> usize {
-        if width_mm < 45.0 {
-            1
-        } else if width_mm <= 100.0 {
-            2
-        } else {
-            (width_mm / 50.0).ceil() as usize
-        }
+        let wanted = match width_mm {
+            w if w < 45.0 => 1,
+            w if w <= 100.0 => 2,
+            w => (w / 50.0).ceil() as usize,
+        };
+        let flap = self.head_mm().max(self.neck_mm + 4.0 * self.hook_radius_mm);
+        // Flaps lie in the middles of equal lanes.
+        let lane = (flap + self.cut_distance_mm).max(flap + 2.0 * self.edge_distance_mm);
+        wanted.min((width_mm / lane) as usize).max(1)
     }
 
     /// The open cut that frees the flap: hinge line on x = 0 from (0, neck / 2) to (0, -neck / 2), tip toward +x. Runs from the root above round the tip to the root
@@ -171,5 +174,8 @@ mod tests {
     fn wide_strips_get_more_flaps() {
         let counts = [30.0, 45.0, 100.0, 101.0, 160.0].map(|w| paper().count(w));
         assert_eq!(counts, [1, 2, 2, 3, 4]);
+        // A felt joint is wide: two do not fit side by side where two of paper do.
+        let felt = Joint { neck_mm: 13.0, barb_mm: 3.0, edge_distance_mm: 8.0, cut_distance_mm: 12.0, ..paper() };
+        assert_eq!((felt.count(46.0), felt.count(80.0)), (1, 2));
     }
 }

@@ -3,7 +3,7 @@
 use super::fasten::Fastening;
 use super::joint::Joint;
 use crate::drawing::{DrawnPath, KerfSide, Role, text_paths, text_width};
-use crate::geom::{Motion, P2, Rect, V2, contains, tolerance};
+use crate::geom::{Motion, P2, Rect, V2, contains, segments_cross, tolerance};
 
 /// Room between a label and anything else, mm.
 const CLEAR_MM: f64 = 0.8;
@@ -24,9 +24,7 @@ pub(super) fn labels(
         let boxed = |corner: &P2| Rect { min: *corner, max: corner + size };
         let clear = |rect: &Rect| {
             let grown = rect.grown(CLEAR_MM);
-            let (a, b) = (grown.min, grown.max);
-            [a, P2::new(b.x, a.y), b, P2::new(a.x, b.y)].iter().all(|p| contains(&contour, *p))
-                && !taken.iter().any(|t| t.overlaps(&grown))
+            inside(&grown, &contour) && !taken.iter().any(|t| t.overlaps(&grown))
         };
         let free = corners.iter().map(boxed).find(clear);
         collisions += usize::from(free.is_none());
@@ -56,6 +54,18 @@ pub(super) fn labels(
     });
     write(&format!("PIECE {piece}"), None, anywhere.collect());
     (labels, collisions)
+}
+
+/// True when a box lies in a contour, all of it.
+fn inside(rect: &Rect, contour: &[P2]) -> bool {
+    let (a, b) = (rect.min, rect.max);
+    let corners = [a, P2::new(b.x, a.y), b, P2::new(a.x, b.y)];
+    let n = contour.len();
+    let crosses = |i: usize| {
+        let (p, q) = (contour[i], contour[(i + 1) % n]);
+        (0..4).any(|k| segments_cross(p, q, corners[k], corners[(k + 1) % 4]))
+    };
+    corners.iter().all(|p| contains(contour, *p)) && !(0..n).any(crosses)
 }
 
 /// Places to try for a joint number, best first: behind the hinge or the slit, on the side the flap does not point to; then ahead; then beside, across the strip.

@@ -16,7 +16,7 @@ use crate::fit::Part;
 use crate::geom::Path;
 use crate::progress::Warning;
 use edge::Edges;
-use fasten::{Fastening, Mating};
+use fasten::Fastening;
 
 /// How strips are made into pieces.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +27,7 @@ pub struct Settings {
     pub max_piece_mm: f64,
     /// How far two pieces of one strip overlap where they are joined, mm.
     pub splice_overlap_mm: f64,
-    /// Height of engraved lettering, mm; `None` where the tool cannot mark the material.
+    /// Height of engraved lettering, mm; `None` where the tool cannot mark the material: then no lines are marked either.
     pub label_mm: Option<f64>,
     /// Mass per area, g/m².
     pub grammage_g_per_m2: f64,
@@ -55,7 +55,7 @@ pub struct Piece {
 pub struct Pieces {
     /// In strip order.
     pub pieces: Vec<Piece>,
-    /// Largest distance in space between a flap's root and the slit it goes through, the intended lead taken off, mm.
+    /// Largest distance between where a flap's root finds its slit and where it should, from the drawn cuts, mm.
     pub max_mating_error_mm: f64,
     /// Labels that overlap a cut or another label.
     pub label_collisions: usize,
@@ -68,7 +68,7 @@ pub struct Pieces {
 pub enum Error {
     /// The stock is shorter than a piece can be.
     #[error(
-        "part {part}: the stock takes pieces of at most {max_piece_mm:.0} mm, but two splices and what lies between need {least_mm:.0} mm; use larger stock (--stock)"
+        "part {part}: the stock takes pieces of at most {max_piece_mm:.0} mm, but two splices need {least_mm:.0} mm; use larger stock (--stock)"
     )]
     StockTooShort {
         /// The part.
@@ -113,8 +113,8 @@ pub fn pieces(part: &Part, settings: &Settings) -> Result<Pieces, Error> {
             joint: None,
         }];
         paths.extend(fastenings.iter().filter(own).flat_map(|f| f.paths(&settings.joint)));
-        paths.extend(splice::marks(&edges, &ranges, i, settings.splice_overlap_mm));
         if let Some(height_mm) = settings.label_mm {
+            paths.extend(splice::marks(&edges, &ranges, i, settings.splice_overlap_mm));
             let own: Vec<&Fastening> = fastenings.iter().filter(own).collect();
             let (labels, collisions) = label::labels(&name, &paths, &own, &settings.joint, height_mm);
             paths.extend(labels);
@@ -137,7 +137,7 @@ pub fn pieces(part: &Part, settings: &Settings) -> Result<Pieces, Error> {
             Warning::new(
                 "spliced",
                 format!(
-                    "the strip of {:.0} mm is longer than the stock: {} pieces, each glued over the next by {:.0} mm at the marked lines",
+                    "the strip of {:.0} mm is longer than the stock: {} pieces, each glued over the next by {:.0} mm",
                     edges.length_mm(),
                     ranges.len(),
                     settings.splice_overlap_mm
@@ -146,7 +146,8 @@ pub fn pieces(part: &Part, settings: &Settings) -> Result<Pieces, Error> {
             .in_part(&part.name),
         );
     }
-    let max_mating_error_mm = Mating::of(&fastenings).worst_error_mm(part);
+    let cuts = pieces.iter().flat_map(|piece| &piece.drawing.paths);
+    let max_mating_error_mm = fasten::worst_mating_error_mm(part, cuts, &settings.joint);
     Ok(Pieces { pieces, max_mating_error_mm, label_collisions, warnings })
 }
 
@@ -233,7 +234,7 @@ mod tests {
                 };
                 assert_eq!((count(Role::Flap), count(Role::Slit)), (across, across), "{joint:?}, {width} mm");
             }
-            assert!(laid.max_mating_error_mm < 1e-9);
+            assert!(laid.max_mating_error_mm < 1e-6, "{}", laid.max_mating_error_mm);
         }
     }
 
@@ -257,10 +258,27 @@ mod tests {
     }
 
     #[test]
+    fn a_slit_that_moves_or_leads_the_wrong_way_shows_in_the_mating_error() {
+        let part = part(40.0);
+        let laid = pieces(&part, &settings(5000.0)).unwrap();
+        let joint = joint::paper();
+        let drawn = &laid.pieces[0].drawing.paths;
+        let error = |paths: &[DrawnPath]| fasten::worst_mating_error_mm(&part, paths.iter(), &joint);
+        for (ds, dw, least) in [(0.3, 0.0, 0.2), (-0.3, 0.0, 0.2), (0.0, 0.2, 0.2)] {
+            let mut spoilt = drawn.clone();
+            let slit = spoilt.iter_mut().find(|p| p.role == Role::Slit).unwrap();
+            slit.path = slit.path.moved(&crate::geom::Motion::translation(ds, dw));
+            assert!(error(&spoilt) > least, "{ds} {dw}: {}", error(&spoilt));
+        }
+        let behind = Joint { slit_ahead_mm: -joint.slit_ahead_mm, ..joint };
+        assert!(fasten::worst_mating_error_mm(&part, drawn.iter(), &behind) > 0.9);
+    }
+
+    #[test]
     fn stock_shorter_than_splices_is_refused_with_the_length_needed() {
         let error = pieces(&part(40.0), &settings(50.0)).unwrap_err();
-        assert!(error.to_string().contains("at least") || error.to_string().contains("need 60 mm"), "{error}");
-        let error = pieces(&part(40.0), &settings(65.0)).unwrap_err();
         assert!(matches!(error, Error::NoRoomForSplice { .. }), "{error}");
+        let error = pieces(&part(40.0), &settings(30.0)).unwrap_err();
+        assert!(error.to_string().contains("at most 30 mm"), "{error}");
     }
 }

@@ -3,6 +3,14 @@
 /// Why [`super::plan`] refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
+    /// Something to engrave where the tool cannot mark the material.
+    #[error("piece {piece} has a {role} to engrave, but this tool cannot mark this material; leave it out")]
+    NoProcess {
+        /// Name of the piece.
+        piece: String,
+        /// Role of the path.
+        role: &'static str,
+    },
     /// A setting out of range.
     #[error("{name} is {value}; it must be {needed}")]
     Setting {

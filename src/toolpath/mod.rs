@@ -96,7 +96,9 @@ pub fn plan(drawings: &[Drawing], width_mm: f64, height_mm: f64, settings: &Sett
             max_kerf_deviation_mm = max_kerf_deviation_mm.max(compensated.deviation_mm);
             limits::check(&compensated.path, &drawing.name, drawn.role, &sheet, &settings.work_area)?;
             let operation = drawn.role.operation();
-            let process = settings.process(operation);
+            let process = settings
+                .process(operation)
+                .ok_or_else(|| Error::NoProcess { piece: drawing.name.clone(), role: drawn.role.class() })?;
             contours.push(Contour {
                 path: compensated.path,
                 operation,
@@ -110,7 +112,7 @@ pub fn plan(drawings: &[Drawing], width_mm: f64, height_mm: f64, settings: &Sett
         }
     }
 
-    let passes = |contour: &Contour| settings.process(contour.operation).passes;
+    let passes = |contour: &Contour| settings.process(contour.operation).map_or(1, |process| process.passes);
     let as_drawn = order::by_operation(contours);
     let travel_unordered_mm = order::travel_mm(&as_drawn, &passes, settings.park);
     let ordered = order::arrange(as_drawn, &passes, settings.park);
@@ -131,7 +133,7 @@ mod tests {
         let process = |feed_mm_per_min, power| Process { feed_mm_per_min, power, air: Air::Off, passes: 1 };
         Settings {
             kerf_mm: 0.15,
-            engrave: process(3000.0, 0.1),
+            engrave: Some(process(3000.0, 0.1)),
             cut_inner: process(900.0, 0.8),
             cut_outline: process(900.0, 0.8),
             work_area: Rect::from_size(400.0, 400.0),
@@ -208,6 +210,13 @@ mod tests {
     }
 
     #[test]
+    fn a_mark_is_never_cut_for_want_of_an_engraving() {
+        let settings = Settings { engrave: None, ..settings() };
+        let refused = plan(&sheet(), 400.0, 400.0, &settings).unwrap_err();
+        assert!(matches!(refused, Error::NoProcess { role: "mark", .. }), "{refused}");
+    }
+
+    #[test]
     fn settings_out_of_range_are_refused() {
         let with = |change: &dyn Fn(&mut Settings)| {
             let mut settings = settings();
@@ -216,7 +225,7 @@ mod tests {
         };
         assert!(with(&|_| ()).is_ok());
         assert!(matches!(with(&|s| s.kerf_mm = -0.1), Err(Error::Setting { .. })));
-        assert!(matches!(with(&|s| s.engrave.power = 1.1), Err(Error::Setting { .. })));
+        assert!(matches!(with(&|s| s.cut_inner.power = 1.1), Err(Error::Setting { .. })));
         assert!(matches!(with(&|s| s.cut_inner.feed_mm_per_min = 0.0), Err(Error::Setting { .. })));
         assert!(matches!(with(&|s| s.cut_outline.passes = 0), Err(Error::Setting { .. })));
         assert!(matches!(with(&|s| s.park.x = f64::NAN), Err(Error::Setting { .. })));

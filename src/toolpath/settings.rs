@@ -33,8 +33,8 @@ pub struct Process {
 pub struct Settings {
     /// Full width the tool removes, mm; paths move by half of it.
     pub kerf_mm: f64,
-    /// Marks and lettering.
-    pub engrave: Process,
+    /// Marks and lettering; `None` where the tool cannot mark the material, and then nothing may be engraved.
+    pub engrave: Option<Process>,
     /// Flaps, slits and holes.
     pub cut_inner: Process,
     /// Outlines.
@@ -46,12 +46,12 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// How an operation is made.
-    pub fn process(&self, operation: Operation) -> &Process {
+    /// How an operation is made, if it is.
+    pub fn process(&self, operation: Operation) -> Option<&Process> {
         match operation {
-            Operation::Engrave => &self.engrave,
-            Operation::CutInner => &self.cut_inner,
-            Operation::CutOutline => &self.cut_outline,
+            Operation::Engrave => self.engrave.as_ref(),
+            Operation::CutInner => Some(&self.cut_inner),
+            Operation::CutOutline => Some(&self.cut_outline),
         }
     }
 
@@ -66,7 +66,8 @@ impl Settings {
         require(self.park.x.is_finite(), "park x", self.park.x, "a finite position")?;
         require(self.park.y.is_finite(), "park y", self.park.y, "a finite position")?;
         for operation in Operation::ALL {
-            let Process { feed_mm_per_min: feed, power, passes, .. } = *self.process(operation);
+            let Some(process) = self.process(operation) else { continue };
+            let Process { feed_mm_per_min: feed, power, passes, .. } = *process;
             let named = |key: &str| format!("{} {key}", operation.id());
             require(feed.is_finite() && feed > 0.0, &named("feed_mm_per_min"), feed, "a feed above 0 mm/min")?;
             require((0.0..=1.0).contains(&power), &named("power"), power, "a fraction from 0 to 1")?;
