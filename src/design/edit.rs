@@ -7,14 +7,18 @@ impl Design {
     /// The text of a design file with the values of this design in it. Only what differs from what the text says is written: comments, order and the way values are
     /// put stay as they stand.
     pub fn written_over(&self, file: &str, text: &str) -> Result<String, Error> {
-        let syntax = |e: toml_edit::TomlError| Error::Syntax { file: file.into(), message: e.to_string() };
-        let mut document: DocumentMut = text.parse().map_err(syntax)?;
+        let said = document(&Design::parse(file, text)?.to_toml());
         // Both through the same writer, so that only true differences show.
-        let said: DocumentMut = Design::parse(file, text)?.to_toml().parse().map_err(syntax)?;
-        let wanted: DocumentMut = self.to_toml().parse().map_err(syntax)?;
+        let wanted = document(&self.to_toml());
+        let mut document = document(text);
         merge(document.as_table_mut(), said.as_table(), wanted.as_table());
         Ok(document.to_string())
     }
+}
+
+/// A text that was parsed or written as TOML before.
+fn document(text: &str) -> DocumentMut {
+    text.parse().expect("a design that was read or written is TOML")
 }
 
 /// Carries the differences between `said` and `wanted` over to `into`, which says the same as `said` in words of its own.

@@ -109,13 +109,19 @@ impl Foot {
 /// What is wrong with a design file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// Not TOML, or not a design: the message carries line, column and the line itself.
-    #[error("{file}: {message}")]
+    /// Not TOML, or not a design.
+    #[error("{file}:{line}:{column}: {message}\n  | {source_line}")]
     Syntax {
         /// The file.
         file: String,
-        /// What and where.
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What is wrong, and what was perhaps meant.
         message: String,
+        /// The line itself.
+        source_line: String,
     },
     /// Written by another version.
     #[error("{file}: schema = {found}, this furbelow reads schema = {SCHEMA}")]
@@ -140,8 +146,7 @@ pub enum Error {
 impl Design {
     /// Reads a design file's text; `file` is its name for messages.
     pub fn parse(file: &str, text: &str) -> Result<Design, Error> {
-        let design: Design = toml::from_str(text)
-            .map_err(|e| Error::Syntax { file: file.into(), message: e.to_string().trim_end().into() })?;
+        let design: Design = toml::from_str(text).map_err(|e| syntax_error(file, text, &e))?;
         design.check(file)?;
         Ok(design)
     }
@@ -196,6 +201,31 @@ impl Design {
     }
 }
 
+/// Where a TOML error lies and what was perhaps meant.
+fn syntax_error(file: &str, text: &str, error: &toml::de::Error) -> Error {
+    let at = error.span().map_or(0, |span| span.start).min(text.len());
+    let before = &text[..at];
+    let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+    let mut message = error.message().to_owned();
+    // "unknown field `mashine`, expected one of `schema`, `machine`, ...": every second piece between backticks is a name.
+    let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+    if let [typed, known @ ..] = names.as_slice()
+        && message.starts_with("unknown field")
+    {
+        let alike = |name: &&&str| strsim::damerau_levenshtein(typed, name);
+        if let Some(meant) = known.iter().min_by_key(alike).filter(|name| alike(name) <= 3) {
+            message = format!("unknown key '{typed}'; did you mean '{meant}'?");
+        }
+    }
+    Error::Syntax {
+        file: file.into(),
+        line: before.matches('\n').count() + 1,
+        column: text[line_start..at].chars().count() + 1,
+        message,
+        source_line: text[line_start..].lines().next().unwrap_or("").to_owned(),
+    }
+}
+
 impl PlaneSource {
     /// The plane, with a unit normal.
     pub fn plane(&self) -> Plane {
@@ -232,7 +262,9 @@ mod tests {
     fn a_typo_is_told_with_its_line() {
         let text = stool().to_toml().replace("layers", "layerz");
         let message = Design::parse("design.toml", &text).unwrap_err().to_string();
-        assert!(message.contains("design.toml") && message.contains("layerz") && message.contains("line"), "{message}");
+        let line = 1 + text.lines().position(|l| l.contains("layerz")).unwrap();
+        assert!(message.starts_with(&format!("design.toml:{line}:1: ")), "{message}");
+        assert!(message.contains("did you mean 'layers'"), "{message}");
     }
 
     #[test]

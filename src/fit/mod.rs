@@ -211,7 +211,9 @@ fn starts(target: &Target, settings: &Settings) -> Result<Vec<Drawn>, Error> {
     let mut starts: Vec<Drawn> = Vec::new();
     let mut refused = None;
     for layering in std::iter::once(settings.stack.layering).chain(settings.other_layerings.iter().copied()) {
-        match draw_stack(target.outline, &StackSettings { layering, ..settings.stack }) {
+        // Large shapes are folded in larger segments: as many as a shape of the usual size has.
+        let segment_mm = settings.stack.segment_mm * (target.outline.bounds().height() / FULL_DETAIL_MM).max(1.0);
+        match draw_stack(target.outline, &StackSettings { layering, segment_mm, ..settings.stack }) {
             Ok(mut drawn) => {
                 let drop = target.outline.bounds().min.y - floor_mm(target.outline);
                 drawn.positions.iter_mut().for_each(|p| p.y -= drop);
@@ -227,6 +229,9 @@ fn starts(target: &Target, settings: &Settings) -> Result<Vec<Drawn>, Error> {
         _ => Ok(starts),
     }
 }
+
+/// Outlines up to this high, mm, are folded in segments of the length asked for.
+const FULL_DETAIL_MM: f64 = 300.0;
 
 /// A filled part and how good it is.
 struct Candidate {

@@ -13,6 +13,7 @@ mod ldl;
 mod model;
 mod newton;
 mod stretch;
+mod turn;
 
 pub use crossings::find_crossings;
 pub use ldl::{Factorisation, LdlT, Pattern};

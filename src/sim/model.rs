@@ -174,6 +174,11 @@ impl Model {
         }
     }
 
+    /// Stretching stiffness of every segment, N/mm.
+    pub fn stretch_n_per_mm(&self) -> &[f64] {
+        &self.stretch_n_per_mm
+    }
+
     /// Weight of the strip, N.
     pub fn weight_n(&self) -> f64 {
         self.weight_n.iter().sum()
