@@ -87,8 +87,20 @@ pub(super) fn sheets(setup: &Setup) -> Result<Vec<Sheet>, Error> {
 /// The part of a sheet the head reaches when the sheet lies in the stop corner.
 pub(super) fn container(sheet: &Sheet, setup: &Setup) -> Container {
     let reach = setup.reach();
+    let limited = overhang_mm(sheet, setup) > 0.0;
+    let name = match limited {
+        // What is told of pieces that do not fit: larger stock would not help.
+        true => format!(
+            "{} within {}'s reach, {:.0} x {:.0} mm",
+            sheet.name,
+            setup.machine.name,
+            reach.width(),
+            reach.height()
+        ),
+        false => sheet.name.clone(),
+    };
     Container::Sheet {
-        name: sheet.name.clone(),
+        name,
         width_mm: sheet.width_mm.min(reach.width()),
         height_mm: sheet.height_mm.min(reach.height()),
         count: sheet.count,
