@@ -113,14 +113,7 @@ fn outside(m: &Move, work_area: &Rect) -> Option<Finding> {
     if matches!(m.action, Action::Dwell { .. } | Action::Stop) {
         return None;
     }
-    let bounds = m.bounds();
-    let beyond = [
-        ("left", work_area.min.x - bounds.min.x),
-        ("right", bounds.max.x - work_area.max.x),
-        ("lower", work_area.min.y - bounds.min.y),
-        ("upper", bounds.max.y - work_area.max.y),
-    ];
-    let (side, by_mm) = beyond.into_iter().fold(beyond[0], |worst, b| if b.1 > worst.1 { b } else { worst });
+    let (side, by_mm) = work_area.overrun_by(&m.bounds());
     (by_mm > tolerance::LIMIT_SLACK_MM).then_some(Finding::OutsideWorkArea { line: m.line, side, by_mm })
 }
 

@@ -103,8 +103,33 @@ impl Rect {
                 && other.max.y <= self.max.y + slack)
     }
 
+    /// The side on which `other` reaches farthest beyond this box ("left", "right", "lower", "upper"), and how far; negative when it lies inside.
+    pub fn overrun_by(&self, other: &Rect) -> (&'static str, f64) {
+        let beyond = [
+            ("left", self.min.x - other.min.x),
+            ("right", other.max.x - self.max.x),
+            ("lower", self.min.y - other.min.y),
+            ("upper", other.max.y - self.max.y),
+        ];
+        beyond.into_iter().fold(beyond[0], |worst, b| if b.1 > worst.1 { b } else { worst })
+    }
+
     /// True when the two boxes share more than their borders.
     pub fn overlaps(&self, other: &Rect) -> bool {
         self.min.x < other.max.x && other.min.x < self.max.x && self.min.y < other.max.y && other.min.y < self.max.y
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_tells_the_side_on_which_another_reaches_out() {
+        let area = Rect::from_size(100.0, 50.0);
+        let other = Rect { min: P2::new(5.0, -2.0), max: P2::new(103.0, 40.0) };
+        assert_eq!(area.overrun_by(&other), ("right", 3.0));
+        assert!(area.overrun_by(&area.grown(-1.0)).1 < 0.0);
+        assert!(area.holds(&area.grown(0.4), 0.5) && !area.holds(&other, 0.5));
     }
 }

@@ -12,12 +12,16 @@ mod hinge;
 mod ldl;
 mod model;
 mod newton;
+mod settings;
 mod stretch;
+#[cfg(test)]
+mod tests;
 mod turn;
 
 pub use crossings::find_crossings;
 pub use ldl::{Factorisation, LdlT, Pattern};
-pub use newton::{Error, Settings, Solver, Supports};
+pub use newton::Solver;
+pub use settings::{Error, Settings, Supports};
 
 use crate::geom::P2;
 use serde::Serialize;

@@ -8,13 +8,7 @@ use crate::geom::{Path, Rect, tolerance};
 pub(super) fn check(path: &Path, piece: &str, role: Role, sheet: &Rect, work_area: &Rect) -> Result<(), Error> {
     let bounds = path.bounds();
     for (limit, allowed) in [("sheet", sheet), ("work area", work_area)] {
-        let beyond = [
-            ("left", allowed.min.x - bounds.min.x),
-            ("right", bounds.max.x - allowed.max.x),
-            ("lower", allowed.min.y - bounds.min.y),
-            ("upper", bounds.max.y - allowed.max.y),
-        ];
-        let (side, by_mm) = beyond.into_iter().fold(beyond[0], |worst, b| if b.1 > worst.1 { b } else { worst });
+        let (side, by_mm) = allowed.overrun_by(&bounds);
         if by_mm > tolerance::LIMIT_SLACK_MM {
             return Err(Error::Outside { piece: piece.to_string(), role: role.class(), limit, side, by_mm });
         }

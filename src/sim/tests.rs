@@ -1,0 +1,197 @@
+//! The solver as a whole: closed forms, the floor, contact.
+
+use super::*;
+use crate::cut::Outline;
+use crate::geom::{V2, distance_to_segment};
+use crate::progress::{Observer, Progress, Quiet};
+use crate::ruffle::{Drawn, Node, Role, Ruffle, Section, StackSettings, draw_stack};
+
+/// A straight strip of `n` segments behind a clamp: a first segment without length to speak of, both its nodes pinned, which gives the hinge at the
+/// clamp half a cell.
+fn cantilever(n: usize, length_mm: f64) -> (Ruffle, Vec<P2>, Supports) {
+    let h = length_mm / n as f64;
+    let clamp = 1e-6 * h;
+    let mut rest_lengths = vec![clamp];
+    rest_lengths.extend(std::iter::repeat_n(h, n));
+    let walk: Vec<Node> = (0..n as u32 + 2).map(Node).collect();
+    let positions: Vec<P2> =
+        std::iter::once(-clamp).chain((0..=n).map(|i| i as f64 * h)).map(|x| P2::new(x, 0.0)).collect();
+    let sections = vec![Section { role: Role::Outer, first_segment: 0, end_segment: n + 1 }];
+    let ruffle = Ruffle { node_count: n + 2, walk, rest_lengths, sections, foot: [Node(0), Node(1)] };
+    (ruffle, positions, Supports { pinned: vec![Node(0), Node(1)], upright: Vec::new() })
+}
+
+fn paper(flexural_rigidity_n_mm: f64) -> Material {
+    Material {
+        flexural_rigidity_n_mm,
+        membrane_stiffness_n_per_mm: 600.0,
+        grammage_g_per_m2: 160.0,
+        thickness_mm: 0.19,
+    }
+}
+
+fn sagged(n: usize, load: f64) -> (f64, f64, Equilibrium) {
+    let length: f64 = 100.0;
+    let q = paper(1.0).weight_n_per_mm2();
+    let material = paper(q * length.powi(3) / load);
+    let (ruffle, start, supports) = cantilever(n, length);
+    // The strip weighs 6 mN: its shape to five digits needs forces to a few nN.
+    let settings = Settings { floor_mm: f64::NEG_INFINITY, residual_n: 2e-9, ..Settings::default() };
+    let mut solver = Solver::new(&ruffle, &vec![40.0; n + 2], &material, &supports, &settings).unwrap();
+    let e = solver.solve(&start, &mut Quiet).unwrap();
+    let tip = e.positions[n + 1];
+    (-tip.y / length, tip.x / length, e)
+}
+
+#[test]
+fn a_heavy_cantilever_hangs_as_the_elastica_does() {
+    // th'' = -b (1 - s) cos th, b = q L^3 / EI: drop / L and reach / L of its numerical solution.
+    for (b, drop, reach) in [(1.0, 0.123471, 0.991246), (4.0, 0.425159, 0.890111), (8.0, 0.640631, 0.724425)] {
+        let (d, r, e) = sagged(80, b);
+        assert_eq!(e.outcome, Outcome::Converged, "b = {b}: {e:?}");
+        assert!((d - drop).abs() < 1.5e-3 && (r - reach).abs() < 2e-3, "b = {b}: {d} {r}");
+    }
+}
+
+#[test]
+fn the_error_falls_with_the_square_of_the_segment() {
+    let error = |n| (sagged(n, 8.0).0 - 0.640631_f64).abs();
+    let ratio = error(20) / error(40);
+    assert!((3.0..5.5).contains(&ratio), "ratio {ratio}");
+}
+
+#[test]
+fn nothing_passes_through_the_floor_and_the_force_still_balances() {
+    let (ruffle, mut start, supports) = cantilever(60, 150.0);
+    start.iter_mut().for_each(|p| p.y = 20.0);
+    let mut solver = Solver::new(&ruffle, &vec![40.0; 62], &paper(0.3), &supports, &Settings::default()).unwrap();
+    let e = solver.solve(&start, &mut Quiet).unwrap();
+    assert_eq!(e.outcome, Outcome::Converged, "{e:?}");
+    assert!(e.positions.iter().all(|p| p.y >= 0.0));
+    assert!(e.positions.iter().filter(|p| p.y == 0.0).count() > 5);
+    assert!(e.residual_n <= 1e-6 && e.max_strain < 1e-3);
+}
+
+#[test]
+fn bad_input_is_refused_by_name() {
+    let (ruffle, start, supports) = cantilever(5, 50.0);
+    let solver = |widths: &[f64]| Solver::new(&ruffle, widths, &paper(1.0), &supports, &Settings::default());
+    assert!(matches!(solver(&[1.0; 3]), Err(Error::Count { .. })));
+    assert!(matches!(solver(&[0.0; 7]), Err(Error::NotPositive { .. })));
+    let mut broken = start;
+    broken[3].x = f64::NAN;
+    let refused = solver(&[10.0; 7]).unwrap().solve(&broken, &mut Quiet);
+    assert_eq!(refused, Err(Error::NotFinite { node: 3 }));
+}
+
+#[test]
+fn an_observer_can_stop_a_solve() {
+    struct Stop;
+    impl Observer for Stop {
+        fn step(&mut self, _: Progress) -> std::ops::ControlFlow<()> {
+            std::ops::ControlFlow::Break(())
+        }
+    }
+    let (ruffle, mut start, supports) = cantilever(20, 100.0);
+    start.iter_mut().for_each(|p| p.y = 20.0);
+    let mut solver = Solver::new(&ruffle, &[40.0; 22], &paper(1.0), &supports, &Settings::default()).unwrap();
+    assert_eq!(solver.solve(&start, &mut Stop).unwrap().outcome, Outcome::Stopped);
+}
+
+/// Solves one step at a time, so that every accepted state can be looked at; returns the last.
+fn watched(solver: &mut Solver, start: &[P2]) -> Equilibrium {
+    let mut x = start.to_vec();
+    let mut energy = f64::INFINITY;
+    for step in 0..300 {
+        let e = solver.solve(&x, &mut Quiet).unwrap();
+        assert_eq!(e.self_intersections, 0, "step {step}");
+        // The first step is made with the soft membrane.
+        let rounding = 1e-13 * energy.abs();
+        assert!(step < 2 || e.energy_n_mm <= energy + rounding, "step {step}: {} after {energy}", e.energy_n_mm);
+        if e.outcome == Outcome::Converged {
+            return e;
+        }
+        energy = e.energy_n_mm;
+        x = e.positions;
+    }
+    panic!("did not come to rest: {} N", solver.residual_n(&x).unwrap());
+}
+
+/// A stack on a pinned foot, 60 mm wide, to be solved a step at a time.
+fn standing(drawn: &Drawn, material: &Material) -> Solver {
+    let supports = Supports { pinned: drawn.ruffle.foot.to_vec(), upright: Vec::new() };
+    let widths = vec![60.0; drawn.ruffle.node_count];
+    let settings = Settings { max_iterations: 1, ..Settings::default() };
+    Solver::new(&drawn.ruffle, &widths, material, &supports, &settings).unwrap()
+}
+
+/// Forces that press the top section down, `total_n` in all.
+fn pressed(drawn: &Drawn, total_n: f64) -> Vec<(Node, V2)> {
+    let top = drawn.ruffle.sections[drawn.ruffle.sections.len() - 1].segments();
+    let each = V2::new(0.0, -total_n / top.len() as f64);
+    top.map(|k| (drawn.ruffle.walk[k], each)).collect()
+}
+
+fn square_stack() -> Drawn {
+    let outer = [(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)].map(|(x, y)| P2::new(x, y)).to_vec();
+    let settings = StackSettings { layers: Some(4), ..StackSettings::default() };
+    draw_stack(&Outline { outer, holes: Vec::new() }, &settings).unwrap()
+}
+
+#[test]
+fn a_stack_pressed_flat_lies_on_itself_and_never_passes_through() {
+    let drawn = square_stack();
+    let mut solver = standing(&drawn, &paper(2.1));
+    let mut x = drawn.positions.clone();
+    let mut height = f64::INFINITY;
+    for grams in [0.0, 100.0, 200.0, 400.0, 700.0, 1000.0] {
+        solver.load(&pressed(&drawn, grams * 9.80665e-3)).unwrap();
+        let e = watched(&mut solver, &x);
+        let top = e.positions.iter().map(|p| p.y).fold(0.0, f64::max);
+        assert!(top < height, "{grams} g: {top} mm high after {height}");
+        assert!(e.max_strain < 1e-3);
+        (x, height) = (e.positions, top);
+    }
+    assert!(height < 60.0, "{height} mm high under 1 kg");
+}
+
+#[test]
+fn thick_sheets_keep_their_thickness_apart_away_from_joints() {
+    let drawn = square_stack();
+    let felt = Material { thickness_mm: 1.0, grammage_g_per_m2: 220.0, ..paper(0.8) };
+    let mut solver = standing(&drawn, &felt);
+    let mut x = drawn.positions.clone();
+    for grams in [0.0, 100.0, 200.0, 300.0] {
+        solver.load(&pressed(&drawn, grams * 9.80665e-3)).unwrap();
+        x = watched(&mut solver, &x).positions;
+    }
+    // Node by segment, leaving out what is within 20 mm along the strip of a joint, where sheets part from one another.
+    let stations = drawn.ruffle.stations();
+    let joints: Vec<f64> = drawn
+        .ruffle
+        .connection_points()
+        .iter()
+        .flat_map(|c| c.passes.iter().map(|k| stations[*k]).collect::<Vec<f64>>())
+        .collect();
+    let far = |k: usize| joints.iter().all(|j| (stations[k] - j).abs() > 20.0);
+    let mut closest = f64::INFINITY;
+    for k in (0..drawn.ruffle.walk.len()).filter(|k| far(*k)) {
+        for s in (0..drawn.ruffle.rest_lengths.len()).filter(|s| far(*s) && (stations[*s] - stations[k]).abs() > 20.0) {
+            let (i, j) = drawn.ruffle.ends(s);
+            closest = closest.min(distance_to_segment(x[drawn.ruffle.at(k)], x[i], x[j]));
+        }
+    }
+    assert!((1.0..1.3).contains(&closest), "sheets touch at {closest} mm");
+}
+
+#[test]
+fn a_start_that_crosses_is_refused_with_the_place() {
+    let mut drawn = square_stack();
+    let top = drawn.positions.iter().map(|p| p.y).fold(0.0, f64::max);
+    drawn.positions.iter_mut().filter(|p| p.y > 0.9 * top).for_each(|p| p.y -= 40.0);
+    let widths = vec![60.0; drawn.ruffle.node_count];
+    let mut solver =
+        Solver::new(&drawn.ruffle, &widths, &paper(2.1), &Supports::default(), &Settings::default()).unwrap();
+    let refused = solver.solve(&drawn.positions, &mut Quiet).unwrap_err();
+    assert!(matches!(refused, Error::Crossed { crossings: 1.., .. }), "{refused}");
+}
