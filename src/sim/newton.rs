@@ -59,6 +59,10 @@ impl Solver {
         let contacts = settings.contact.then(|| Contacts::new(ruffle));
         let turner = Turner::new(ruffle.node_count, ruffle.segments())?;
         let unknowns = pattern.unknowns();
+        let supported = supports.pinned.iter().chain(&supports.upright).map(|node| node.index() + 1).max();
+        if let Some(found) = supported.filter(|found| *found > ruffle.node_count) {
+            return Err(Error::Count { what: "nodes up to the supported one", found, expected: ruffle.node_count });
+        }
         let mut held = vec![false; unknowns];
         for node in &supports.pinned {
             held[2 * node.index()] = true;
@@ -96,6 +100,10 @@ impl Solver {
         if widths_mm.len() != expected {
             return Err(Error::Count { what: "strip widths", found: widths_mm.len(), expected });
         }
+        let (found, expected) = (ruffle.rest_lengths.len(), self.model.stretch_n_per_mm().len());
+        if found != expected {
+            return Err(Error::Count { what: "rest lengths of another topology", found, expected });
+        }
         for (what, values) in [("strip width", widths_mm), ("rest length", &ruffle.rest_lengths)] {
             if let Some(index) = values.iter().position(|v| !(*v > 0.0 && v.is_finite())) {
                 return Err(Error::NotPositive { what, index, value: values[index] });
@@ -130,7 +138,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Finds the rest position near `start` (plane frame, mm, one position per node) to rest. Held nodes stay where `start` has them, on the floor if that was below it.
+    /// Finds the rest position near `start` (plane frame, mm, one position per node). Held nodes stay where `start` has them, on the floor if that was below it.
     ///
     /// The first solve starts from a drawing, far from rest. There the directions ask for turns that do not fit together, and
     /// a stiff membrane cuts the steps short. So the first solve lets the strip settle with a soft membrane before it does so with the real one.

@@ -36,7 +36,7 @@ pub struct Supports {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// An array does not match the ruffle.
-    #[error("{what}: {found} values for {expected} nodes")]
+    #[error("{what}: {found}, where the ruffle has {expected}")]
     Count {
         /// Which array.
         what: &'static str,

@@ -77,6 +77,11 @@ fn bad_input_is_refused_by_name() {
     let (ruffle, start, supports) = cantilever(5, 50.0);
     let solver = |widths: &[f64]| Solver::new(&ruffle, widths, &paper(1.0), &supports, &Settings::default());
     assert!(matches!(solver(&[1.0; 3]), Err(Error::Count { .. })));
+    let beyond = Supports { pinned: vec![Node(99)], upright: Vec::new() };
+    let refused = Solver::new(&ruffle, &[10.0; 7], &paper(1.0), &beyond, &Settings::default());
+    assert!(matches!(refused, Err(Error::Count { found: 100, .. })));
+    let other = cantilever(6, 50.0).0;
+    assert!(matches!(solver(&[10.0; 7]).unwrap().measure(&other, &[10.0; 7]), Err(Error::Count { .. })));
     assert!(matches!(solver(&[0.0; 7]), Err(Error::NotPositive { .. })));
     let mut broken = start;
     broken[3].x = f64::NAN;
