@@ -4,6 +4,7 @@
 //! To add a command: a file with its `Args` and a `run`, a variant in [`Command`], an arm in [`Command::run`].
 
 mod completions;
+mod files;
 mod machine;
 mod make;
 mod output;
@@ -30,10 +31,10 @@ pub enum Command {
     Make(make::Args),
     /// Cutters: list them, show one, check a file of your own
     #[command(subcommand)]
-    Machine(machine::Command),
+    Machine(files::Command),
     /// Sheet materials: list them, show one, check a file of your own
     #[command(subcommand)]
-    Profile(profile::Command),
+    Profile(files::Command),
     /// Print a completion script for a shell
     Completions(completions::Args),
 }

@@ -3,36 +3,11 @@
 use serde_json::json;
 
 use super::Failure;
+use super::files::Command;
 use super::output::{checklist, fact, json, line, number, own_folder, percent, read_argument, table};
 use crate::config::{
     self, Grain, Joint, Kind, Library, ProcessKind, ProcessRow, Profile, Stock, StockGrain, ToolClass, Verdict,
 };
-
-/// What to do with profiles.
-#[derive(Debug, clap::Subcommand)]
-pub enum Command {
-    /// Name all profiles there are
-    List {
-        /// One JSON object on stdout
-        #[arg(long)]
-        json: bool,
-    },
-    /// Show what is known about a material, and from where
-    Show {
-        /// A name from the list, or the path of a .toml file
-        name: String,
-        /// One JSON object on stdout
-        #[arg(long)]
-        json: bool,
-    },
-    /// Check a profile: says OK, or everything that is wrong
-    Check {
-        /// A .toml file, `-` for stdin, or a name from the list
-        file: String,
-    },
-    /// Print the JSON schema of profiles, for editors
-    Schema,
-}
 
 pub(super) fn run(command: Command) -> Result<(), Failure> {
     let library = Library::open();
