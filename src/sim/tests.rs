@@ -200,3 +200,29 @@ fn a_start_that_crosses_is_refused_with_the_place() {
     let refused = solver.solve(&drawn.positions, &mut Quiet).unwrap_err();
     assert!(matches!(refused, Error::Crossed { crossings: 1.., .. }), "{refused}");
 }
+
+#[test]
+fn a_sheet_dropped_from_far_above_its_reach_lands_on_the_one_below() {
+    // A strip folded once: the lower run is held, the upper one hangs over it, far outside the barrier, and is pressed down hard. Its first Newton steps are
+    // centimetres long and end below.
+    let n = 20;
+    let lower = (0..=n).map(|i| P2::new(3.0 * f64::from(i), 10.0));
+    let bend = [P2::new(62.0, 12.0), P2::new(62.0, 15.0), P2::new(60.0, 17.0)];
+    let upper = (0..n).rev().map(|i| P2::new(3.0 * f64::from(i), 17.0));
+    let start: Vec<P2> = lower.chain(bend).chain(upper).collect();
+    let walk: Vec<Node> = (0..start.len() as u32).map(Node).collect();
+    let rest_lengths: Vec<f64> = start.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
+    let sections = vec![Section { role: Role::Outer, first_segment: 0, end_segment: rest_lengths.len() }];
+    let ruffle = Ruffle { node_count: start.len(), walk, rest_lengths, sections, foot: [Node(0), Node(1)] };
+    let supports = Supports { pinned: (0..=n as u32).map(Node).collect(), upright: Vec::new() };
+    let settings = Settings { floor_mm: f64::NEG_INFINITY, ..Settings::default() };
+    let widths = vec![40.0; start.len()];
+    let mut solver = Solver::new(&ruffle, &widths, &paper(0.05), &supports, &settings).unwrap();
+    let end = start.len() as u32 - 10..start.len() as u32;
+    solver.load(&end.map(|i| (Node(i), V2::new(0.0, -0.05))).collect::<Vec<_>>()).unwrap();
+    let e = solver.solve(&start, &mut Quiet).unwrap();
+    assert_eq!(e.self_intersections, 0);
+    for p in &e.positions[n as usize + 4..] {
+        assert!(p.y > 10.0 || p.x < 0.0, "{p} lies below the sheet at 10 mm");
+    }
+}
