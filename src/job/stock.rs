@@ -30,8 +30,7 @@ pub fn parse_stock(given: &str, profile: &Profile) -> Result<Sheet, Error> {
             _ => return Err(unknown(given, profile)),
         },
     };
-    let named = profile.stock.iter().find(|s| s.name.eq_ignore_ascii_case(size.trim()));
-    if let Some(stock) = named
+    if let Some(stock) = profile.stock_named(size.trim())
         && let Some([width_mm, height_mm]) = stock.size_mm
     {
         let name = stock.name.clone();
