@@ -4,15 +4,15 @@
 //! circular arcs, because those are what a G-code controller, DXF and SVG all draw exactly.
 
 mod arrangement;
+mod company;
 mod fillet;
-mod grid;
 mod path;
 mod polygon;
 mod snap;
 pub mod tolerance;
 
 pub use arrangement::{Coverage, Enclosed, enclosed};
-pub use grid::BoxGrid;
+pub use company::MotionTree;
 pub use path::{Path, PathVertex, Segment};
 pub use polygon::{
     closest_on_segment, contains, convex_hull, distance_to_loop, distance_to_segment, segments_cross, signed_area,

@@ -6,7 +6,7 @@
 use super::barrier::{self, Gap};
 use super::ccd::{Moving, first_touch};
 use super::{Material, Pattern};
-use crate::geom::{BoxGrid, P2, Rect};
+use crate::geom::{MotionTree, P2, Rect, distance_to_segment};
 use crate::ruffle::Ruffle;
 
 /// Beyond the sheet's thickness the barrier reaches this far, mm: a twentieth of a thin layer, and within it a Newton step still sees it coming.
@@ -21,6 +21,8 @@ const TYPICAL_RADIUS_MM: f64 = 15.0;
 const WEIGHT_SHARE: f64 = 0.1;
 /// A step ends at this share of the way to the first touch.
 const BEFORE_TOUCH: f64 = 0.9;
+/// Pairs are collected for this much more motion than was asked for, mm: near rest the steps are shorter, and the same pairs serve many of them.
+const SLACK_MM: f64 = 0.5;
 
 /// A node and a segment close enough to matter.
 #[derive(Debug, Clone, Copy)]
@@ -44,9 +46,12 @@ pub(super) struct Contacts {
     thickness_mm: f64,
     /// Share of the full distance that is asked for: 1, or less where a start lies closer.
     share: f64,
-    grid: BoxGrid,
-    /// Every pair that may come within reach on the current step.
+    /// Nodes, and segments in strip order, on the current step.
+    trees: [MotionTree; 2],
+    /// Every pair that may come within reach on the current step, or while each node is near its place in `around`.
     pairs: Vec<Pair>,
+    /// End of the step that the pairs were collected for; empty when they hold no longer.
+    around: Vec<P2>,
 }
 
 impl Contacts {
@@ -64,8 +69,9 @@ impl Contacts {
             kappa_n: vec![0.0; ruffle.node_count],
             thickness_mm: 0.0,
             share: 1.0,
-            grid: BoxGrid::default(),
+            trees: Default::default(),
             pairs: Vec::new(),
+            around: Vec::new(),
             segments,
             neighbours,
         }
@@ -76,6 +82,7 @@ impl Contacts {
         self.rest_mm.copy_from_slice(rest_lengths_mm);
         self.thickness_mm = material.thickness_mm;
         self.share = 1.0;
+        self.around.clear();
         for (kappa, width) in self.kappa_n.iter_mut().zip(widths_mm) {
             *kappa = BENDING_SHARE * material.flexural_rigidity_n_mm * width / TYPICAL_RADIUS_MM.powi(2)
                 + WEIGHT_SHARE * weight_n;
@@ -133,31 +140,41 @@ impl Contacts {
         Gap { least_mm: self.thickness_mm * scale, reach_mm: REACH_MM * scale }
     }
 
-    /// Collects every pair that can come within reach while the nodes move straight from `x` to `to`.
-    pub fn collect(&mut self, x: &[P2], to: &[P2]) {
-        let outer = self.thickness_mm + REACH_MM;
-        let mut grid = std::mem::take(&mut self.grid);
-        grid.fill(self.segments.iter().map(|[i, j]| Rect::around([&x[*i], &x[*j], &to[*i], &to[*j]]).grown(outer)));
+    /// Sees to it that every pair is at hand that can come within reach while the nodes move straight from `x` to `to`.
+    fn collect(&mut self, x: &[P2], to: &[P2]) {
+        let near = |p: &P2, around: &P2| (p - around).norm_squared() <= SLACK_MM * SLACK_MM;
+        let mut moves = x.iter().zip(to).zip(&self.around);
+        if self.around.len() == x.len() && moves.all(|((p, q), around)| near(p, around) && near(q, around)) {
+            return;
+        }
+        self.around.clear();
+        self.around.extend_from_slice(to);
+        let outer = self.thickness_mm + REACH_MM + 2.0 * SLACK_MM;
+        let [mut nodes, mut segments] = std::mem::take(&mut self.trees);
+        nodes.fill(x.iter().zip(to).map(|(p, q)| [Rect::around([p]), Rect::around([q])]));
+        let swept = |[i, j]: &[usize; 2]| [Rect::around([&x[*i], &x[*j]]), Rect::around([&to[*i], &to[*j]])];
+        segments.fill(self.segments.iter().map(swept));
         let mut pairs = std::mem::take(&mut self.pairs);
         pairs.clear();
-        for node in 0..x.len() {
-            grid.near(&Rect::around([&x[node], &to[node]]), |s| {
-                let ends = self.segments[s];
-                if ends[0] != node && ends[1] != node {
-                    pairs.push(Pair { node, ends, gap: self.gap(node, ends), kappa_n: self.kappa_n[node] });
-                }
-            });
-        }
-        self.grid = grid;
+        nodes.near(&segments, outer, &mut |node, s| {
+            let ends = self.segments[s];
+            if ends[0] != node && ends[1] != node {
+                pairs.push(Pair { node, ends, gap: self.gap(node, ends), kappa_n: self.kappa_n[node] });
+            }
+        });
+        self.trees = [nodes, segments];
         self.pairs = pairs;
     }
 
-    /// Share of the step from `x` to `to` that may be taken: all of it, or nine tenths of the way to the first touch. Looks at the pairs collected.
-    pub fn open_share(&self, x: &[P2], to: &[P2]) -> f64 {
+    /// Shortens the straight step from `x` to `to` so that it ends before anything touches. Energies can then be asked for at both.
+    pub fn advance(&mut self, x: &[P2], to: &mut [P2]) {
+        self.collect(x, to);
         let moving = |i: usize| Moving { at: x[i], by: to[i] - x[i] };
         let touch = |pair: &Pair| first_touch(moving(pair.node), moving(pair.ends[0]), moving(pair.ends[1]));
-        let first = self.pairs.iter().filter_map(touch).fold(f64::INFINITY, f64::min);
-        if first.is_finite() { BEFORE_TOUCH * first } else { 1.0 }
+        let open = BEFORE_TOUCH * self.pairs.iter().filter_map(touch).fold(f64::INFINITY, f64::min);
+        if open < 1.0 {
+            to.iter_mut().zip(x).for_each(|(to, from)| *to = from + (*to - from) * open);
+        }
     }
 
     /// Asks for less distance until a start that lies closer than the full one has a finite energy. Sheets that touch are pulled apart from there. False when
@@ -165,6 +182,7 @@ impl Contacts {
     pub fn admit(&mut self, x: &[P2]) -> bool {
         self.share = 1.0;
         for _ in 0..60 {
+            self.around.clear();
             self.collect(x, x);
             if self.energy(x).is_finite() {
                 return true;
@@ -226,7 +244,7 @@ impl Contacts {
 }
 
 fn distance(pair: &Pair, x: &[P2]) -> f64 {
-    crate::geom::distance_to_segment(x[pair.node], x[pair.ends[0]], x[pair.ends[1]])
+    distance_to_segment(x[pair.node], x[pair.ends[0]], x[pair.ends[1]])
 }
 
 fn unknowns(pair: &Pair) -> [usize; 6] {

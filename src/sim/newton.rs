@@ -277,9 +277,12 @@ impl Solver {
         }
         self.factorisation.solve(direction);
         let farthest = direction.chunks_exact(2).map(|d| d[0].hypot(d[1])).fold(0.0, f64::max);
-        if farthest > self.settings.max_step_mm {
-            let scale = self.settings.max_step_mm / farthest;
-            direction.iter_mut().for_each(|d| *d *= scale);
+        let by = |i: usize| V2::new(direction[2 * i], direction[2 * i + 1]);
+        let most_turned =
+            self.model.segments().map(|(i, j)| (by(j) - by(i)).norm() / (x[j] - x[i]).norm()).fold(0.0, f64::max);
+        let share = (self.settings.max_step_mm / farthest).min(self.settings.max_turn_rad / most_turned);
+        if share < 1.0 {
+            direction.iter_mut().for_each(|d| *d *= share);
         }
         self.turner.prepare(self.model.stretch_n_per_mm(), fixed);
         farthest.is_finite()
@@ -292,12 +295,7 @@ impl Solver {
         for _ in 0..MAX_HALVINGS {
             self.project(x, t);
             if let Some(contacts) = &mut self.contacts {
-                let trial = &mut self.scratch.trial;
-                contacts.collect(x, trial);
-                let open = contacts.open_share(x, trial);
-                if open < 1.0 {
-                    trial.iter_mut().zip(x.iter()).for_each(|(to, from)| *to = from + (*to - from) * open);
-                }
+                contacts.advance(x, &mut self.scratch.trial);
             }
             let Scratch { gradient, trial, .. } = &self.scratch;
             let steps = trial.iter().zip(x.iter()).zip(gradient.chunks_exact(2));
@@ -309,11 +307,11 @@ impl Solver {
             }
             // Close to rest the energy no longer resolves the step, but the force still does.
             if decrease.abs() <= rounding && lower <= energy + rounding {
-                let trial = self.scratch.trial.clone();
-                if self.balance(&trial) < residual {
-                    *x = trial;
+                std::mem::swap(x, &mut self.scratch.trial);
+                if self.balance(x) < residual {
                     return Some(lower);
                 }
+                std::mem::swap(x, &mut self.scratch.trial);
                 self.balance(x);
             }
             t *= 0.5;

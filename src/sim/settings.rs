@@ -9,8 +9,10 @@ pub struct Settings {
     pub residual_n: f64,
     /// Newton steps after which it gives up.
     pub max_iterations: usize,
-    /// Farthest a node may move in one step, mm: beyond it the quadratic model means nothing.
+    /// Farthest a node may move in one step, mm: in a tall stack small turns add up.
     pub max_step_mm: f64,
+    /// Farthest a segment may turn in one step, rad: beyond it the quadratic model means nothing.
+    pub max_turn_rad: f64,
     /// Height of the floor, plane frame, mm; minus infinity for none.
     pub floor_mm: f64,
     /// Whether sheets keep each other out. Without it strips may pass through themselves.
@@ -19,7 +21,14 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { residual_n: 1e-6, max_iterations: 400, max_step_mm: 20.0, floor_mm: 0.0, contact: true }
+        Settings {
+            residual_n: 1e-6,
+            max_iterations: 400,
+            max_step_mm: 100.0,
+            max_turn_rad: 1.0,
+            floor_mm: 0.0,
+            contact: true,
+        }
     }
 }
 
