@@ -20,20 +20,23 @@ pub fn energy(i: P2, j: P2, k: P2, c: f64) -> f64 {
     0.5 * c * phi * phi
 }
 
-/// Gradient (N) of [`energy`], and the turn with its gradient (rad/mm).
+/// Moment of the hinge (N mm) and the gradient of its turn (rad/mm): their product is the gradient of [`energy`] (N).
 pub fn gradient(i: P2, j: P2, k: P2, c: f64) -> (f64, Gradient) {
     let (e1, e2) = (j - i, k - j);
-    let phi = turn(e1, e2);
-    let (u, v) = (rotated(e2) / e2.norm_squared(), rotated(e1) / e1.norm_squared());
-    let d_phi = Gradient::new(v.x, v.y, -u.x - v.x, -u.y - v.y, u.x, u.y);
-    (c * phi, d_phi)
+    (c * turn(e1, e2), d_turn(e1, e2))
 }
 
-/// Hessian (N/mm) of [`energy`]: the exact one, or with `convex` its Gauss-Newton part, which is never indefinite.
-pub fn hessian(i: P2, j: P2, k: P2, c: f64, convex: bool) -> Hessian {
-    let (moment, d_phi) = gradient(i, j, k, c);
+/// Gradient of [`turn`] over i, j, k, rad/mm.
+fn d_turn(e1: V2, e2: V2) -> Gradient {
+    let (u, v) = (rotated(e2) / e2.norm_squared(), rotated(e1) / e1.norm_squared());
+    Gradient::new(v.x, v.y, -u.x - v.x, -u.y - v.y, u.x, u.y)
+}
+
+/// Hessian (N/mm) of [`energy`]: the exact one, given the hinge's moment (N mm, from [`gradient`]), or without it the Gauss-Newton part, which is never indefinite.
+pub fn hessian(i: P2, j: P2, k: P2, c: f64, moment: Option<f64>) -> Hessian {
+    let d_phi = d_turn(j - i, k - j);
     let mut h = d_phi * d_phi.transpose() * c;
-    if !convex {
+    if let Some(moment) = moment {
         let mut add = |block: Matrix2<f64>, from: usize, to: usize| {
             for (a, b, sign) in [(from, from, 1.0), (to, to, 1.0), (from, to, -1.0), (to, from, -1.0)] {
                 let mut view = h.fixed_view_mut::<2, 2>(2 * a, 2 * b);
@@ -81,7 +84,7 @@ mod tests {
             let k = j + V2::new((a + phi).cos(), (a + phi).sin()) * l2;
             let x = Gradient::new(i.x, i.y, j.x, j.y, k.x, k.y);
             let (c, h) = (7.0, 1e-5);
-            let exact = hessian(i, j, k, c, false);
+            let exact = hessian(i, j, k, c, Some(gradient(i, j, k, c).0));
             for axis in 0..6 {
                 let mut step = Gradient::zeros();
                 step[axis] = h;
@@ -96,7 +99,7 @@ mod tests {
         #[test]
         fn the_convex_hessian_has_no_negative_direction(phi in -3.0..3.0f64) {
             let k = P2::new(1.0 + phi.cos(), phi.sin());
-            let h = hessian(P2::origin(), P2::new(1.0, 0.0), k, 2.0, true);
+            let h = hessian(P2::origin(), P2::new(1.0, 0.0), k, 2.0, None);
             prop_assert!(h.symmetric_eigenvalues().min() > -1e-9);
         }
     }

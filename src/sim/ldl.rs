@@ -21,6 +21,9 @@ pub struct Pattern {
     starts: Vec<usize>,
     /// Permuted row of each slot, ascending within a column; the last slot of a column is its diagonal.
     rows: Vec<usize>,
+    /// First of each permuted row's slots in `row_slots`; one more than there are rows.
+    row_starts: Vec<usize>,
+    row_slots: Vec<usize>,
 }
 
 impl Pattern {
@@ -53,7 +56,18 @@ impl Pattern {
             rows.append(column);
             starts.push(rows.len());
         }
-        Ok(Pattern { place, starts, rows })
+        let mut row_starts = vec![0; unknowns + 1];
+        rows.iter().for_each(|row| row_starts[row + 1] += 1);
+        for row in 0..unknowns {
+            row_starts[row + 1] += row_starts[row];
+        }
+        let mut row_slots = vec![0; rows.len()];
+        let mut next = row_starts.clone();
+        for (slot, row) in rows.iter().enumerate() {
+            row_slots[next[*row]] = slot;
+            next[*row] += 1;
+        }
+        Ok(Pattern { place, starts, rows, row_starts, row_slots })
     }
 
     /// Number of unknowns.
@@ -75,17 +89,13 @@ impl Pattern {
 
     /// Turns the rows and columns of the unknowns marked in `fixed` into those of the unit matrix: they then keep their value.
     pub fn fix(&self, values: &mut [f64], fixed: &[bool]) {
-        let mut held = vec![false; fixed.len()];
-        for (i, f) in fixed.iter().enumerate() {
-            held[self.place[i]] = *f;
-        }
-        for column in 0..self.unknowns() {
-            let slots = self.starts[column]..self.starts[column + 1];
-            for (value, row) in values[slots.clone()].iter_mut().zip(&self.rows[slots]) {
-                if held[*row] || held[column] {
-                    *value = if *row == column { 1.0 } else { 0.0 };
-                }
+        for (unknown, _) in fixed.iter().enumerate().filter(|(_, fixed)| **fixed) {
+            let place = self.place[unknown];
+            values[self.starts[place]..self.starts[place + 1]].fill(0.0);
+            for slot in &self.row_slots[self.row_starts[place]..self.row_starts[place + 1]] {
+                values[*slot] = 0.0;
             }
+            values[self.starts[place + 1] - 1] = 1.0;
         }
     }
 

@@ -29,6 +29,8 @@ pub(super) struct Model {
     slots: Vec<usize>,
     /// Share of the membrane stiffness in force.
     stretch_share: f64,
+    /// Moment of each hinge, N mm, where the gradient was taken last.
+    moment_n_mm: Vec<f64>,
 }
 
 impl Model {
@@ -40,6 +42,7 @@ impl Model {
             rest_mm: vec![0.0; segments.len()],
             stretch_n_per_mm: vec![0.0; segments.len()],
             bend_n_mm: vec![0.0; hinges.len()],
+            moment_n_mm: vec![0.0; hinges.len()],
             weight_n: vec![0.0; ruffle.node_count],
             load_n: vec![V2::zeros(); ruffle.node_count],
             segments,
@@ -95,6 +98,11 @@ impl Model {
         self.stretch_n_per_mm.iter_mut().for_each(|k| *k *= by);
     }
 
+    /// Whether only a share of the membrane stiffness is in force.
+    pub fn is_soft(&self) -> bool {
+        self.stretch_share < 1.0
+    }
+
     /// Takes forces on nodes besides their weight, N; each replaces the one the node had.
     pub fn load(&mut self, loads_n: impl IntoIterator<Item = (usize, V2)>) {
         for (node, force) in loads_n {
@@ -122,7 +130,7 @@ impl Model {
     }
 
     /// Gradient of [`Model::energy`], N, one entry per unknown.
-    pub fn gradient(&self, x: &[P2], gradient: &mut [f64]) {
+    pub fn gradient(&mut self, x: &[P2], gradient: &mut [f64]) {
         for (i, (w, load)) in self.weight_n.iter().zip(&self.load_n).enumerate() {
             gradient[2 * i] = -load.x;
             gradient[2 * i + 1] = w - load.y;
@@ -134,9 +142,10 @@ impl Model {
                 gradient[2 * j + axis] += g[axis];
             }
         }
-        for (h, c) in self.hinges.iter().zip(&self.bend_n_mm) {
+        for ((h, c), kept) in self.hinges.iter().zip(&self.bend_n_mm).zip(&mut self.moment_n_mm) {
             let [i, j, k] = h.nodes;
             let (moment, d_phi) = hinge::gradient(x[i], x[j], x[k], *c);
+            *kept = moment;
             for (corner, node) in h.nodes.iter().enumerate() {
                 for axis in 0..2 {
                     gradient[2 * node + axis] += moment * d_phi[2 * corner + axis];
@@ -145,7 +154,8 @@ impl Model {
         }
     }
 
-    /// Hessian of [`Model::energy`], N/mm, one entry per slot of the pattern; with `convex`, the part of it that is never indefinite.
+    /// Hessian of [`Model::energy`] at `x`, where the gradient was taken last, N/mm, one entry per slot of the pattern; with `convex`, the part of it that is never
+    /// indefinite.
     pub fn hessian(&self, x: &[P2], convex: bool, values: &mut [f64]) {
         values.fill(0.0);
         let mut slots = self.slots.iter();
@@ -163,9 +173,9 @@ impl Model {
                 }
             }
         }
-        for (h, c) in self.hinges.iter().zip(&self.bend_n_mm) {
+        for ((h, c), moment) in self.hinges.iter().zip(&self.bend_n_mm).zip(&self.moment_n_mm) {
             let [i, j, k] = h.nodes;
-            let block = hinge::hessian(x[i], x[j], x[k], *c, convex);
+            let block = hinge::hessian(x[i], x[j], x[k], *c, (!convex).then_some(*moment));
             for a in 0..6 {
                 for b in a..6 {
                     add(block[(a, b)]);
@@ -278,7 +288,7 @@ mod tests {
 
     #[test]
     fn the_gradient_of_the_sum_matches_finite_differences() {
-        let (model, _, x) = disturbed();
+        let (mut model, _, x) = disturbed();
         let mut g = vec![0.0; 2 * x.len()];
         model.gradient(&x, &mut g);
         let largest = g.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
@@ -291,9 +301,10 @@ mod tests {
 
     #[test]
     fn the_hessian_of_the_sum_matches_finite_differences() {
-        let (model, pattern, x) = disturbed();
+        let (mut model, pattern, x) = disturbed();
         let n = 2 * x.len();
         let mut values = vec![0.0; pattern.slots()];
+        model.gradient(&x, &mut vec![0.0; n]);
         model.hessian(&x, false, &mut values);
         let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let (mut up, mut down) = (vec![0.0; n], vec![0.0; n]);

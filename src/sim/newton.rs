@@ -21,6 +21,8 @@ pub struct Solver {
     held: Vec<bool>,
     /// Whether a solve has been made, so that the next starts near rest.
     warm: bool,
+    /// Whether the next step tries the exact Hessian.
+    exact: bool,
     scratch: Scratch,
 }
 
@@ -88,6 +90,7 @@ impl Solver {
             settings: *settings,
             held,
             warm: false,
+            exact: true,
             scratch,
         };
         solver.measure(ruffle, widths_mm)?;
@@ -175,6 +178,7 @@ impl Solver {
         observer: &mut dyn Observer,
     ) -> Result<Outcome, Error> {
         let mut energy = self.energy(x);
+        self.exact = true;
         loop {
             let residual = self.balance(x);
             if residual <= tolerance_n {
@@ -183,12 +187,7 @@ impl Solver {
             if *iterations >= self.settings.max_iterations {
                 return Ok(Outcome::Failed);
             }
-            let progress = Progress {
-                stage: "folding",
-                done: *iterations as u64,
-                total: 0,
-                note: format!("unbalanced force {residual:.1e} N"),
-            };
+            let progress = Progress { stage: "folding", done: *iterations as u64, total: 0, note: String::new() };
             if observer.step(progress).is_break() {
                 return Ok(Outcome::Stopped);
             }
@@ -251,7 +250,12 @@ impl Solver {
     fn descend(&mut self, x: &mut Vec<P2>, energy: f64, residual: f64) -> Option<f64> {
         let fall_n_per_mm = self.model.weight_n() / self.settings.max_step_mm;
         for (convex, damping) in [(false, 0.0), (true, 0.0), (true, fall_n_per_mm)] {
+            if !convex && !std::mem::replace(&mut self.exact, true) {
+                continue;
+            }
             if !self.newton_direction(x, convex, damping) {
+                // While the membrane is soft, an indefinite Hessian mostly stays so for some steps: trying every other time is enough.
+                self.exact = convex || !self.model.is_soft();
                 continue;
             }
             if let Some(lower) = self.search(x, energy, residual) {
