@@ -22,7 +22,7 @@ impl Gap {
 }
 
 /// Value and slopes of the dimensionless barrier b(s) = -(s - 1)² ln s on 0 < s < 1; zero beyond, with zero slope and curvature at 1.
-fn barrier(s: f64) -> [f64; 3] {
+pub(super) fn barrier(s: f64) -> [f64; 3] {
     if s >= 1.0 {
         return [0.0; 3];
     }

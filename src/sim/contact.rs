@@ -10,7 +10,7 @@ use crate::geom::{MotionTree, P2, Rect, distance_to_segment};
 use crate::ruffle::Ruffle;
 
 /// Beyond the sheet's thickness the barrier reaches this far, mm: a twentieth of a thin layer, and within it a Newton step still sees it coming.
-const REACH_MM: f64 = 0.3;
+pub(super) const REACH_MM: f64 = 0.3;
 /// Sheets part from a connection at least as fast as two circles of this radius, mm: flatter than any loop that gets folded.
 const FLATTEST_MM: f64 = 100.0;
 /// Stiffness of the barrier against that of the sheet: kappa = D w / R² times this, with the radius of a typical loop. A force of 12 kappa leaves a tenth of the
@@ -84,8 +84,7 @@ impl Contacts {
         self.share = 1.0;
         self.around.clear();
         for (kappa, width) in self.kappa_n.iter_mut().zip(widths_mm) {
-            *kappa = BENDING_SHARE * material.flexural_rigidity_n_mm * width / TYPICAL_RADIUS_MM.powi(2)
-                + WEIGHT_SHARE * weight_n;
+            *kappa = kappa_n(material, *width, weight_n);
         }
         let limit = (2.0 * FLATTEST_MM * (self.thickness_mm + REACH_MM)).sqrt();
         for node in 0..self.near.len() {
@@ -241,6 +240,11 @@ impl Contacts {
     fn active<'a>(&'a self, x: &'a [P2]) -> impl Iterator<Item = &'a Pair> {
         self.pairs.iter().filter(|pair| distance(pair, x) < pair.gap.outer_mm())
     }
+}
+
+/// Stiffness of the barrier, N, at a node where the strip is `width_mm` wide; `weight_n` is the whole strip's.
+pub(super) fn kappa_n(material: &Material, width_mm: f64, weight_n: f64) -> f64 {
+    BENDING_SHARE * material.flexural_rigidity_n_mm * width_mm / TYPICAL_RADIUS_MM.powi(2) + WEIGHT_SHARE * weight_n
 }
 
 fn distance(pair: &Pair, x: &[P2]) -> f64 {

@@ -2,16 +2,21 @@
 //!
 //! The strip is a chain of segments (discrete shells reduced to a plane curve, paper section 4.1): bending at every node, stretch in every
 //! segment, the tangency of connection points as bending between the sheets that meet, gravity, and a floor. Newton's method finds the
-//! minimum of the energy; every term has an exact gradient and Hessian.
+//! minimum of the energy; every term has an exact gradient and Hessian. A plate with a dead load may lie on top.
 
 mod barrier;
 mod ccd;
+#[cfg(test)]
+mod closed_forms;
 mod contact;
 mod crossings;
 mod hinge;
 mod ldl;
 mod model;
 mod newton;
+mod plate;
+#[cfg(test)]
+mod press_tests;
 mod settings;
 mod stretch;
 #[cfg(test)]
@@ -74,6 +79,8 @@ pub struct Equilibrium {
     pub residual_n: f64,
     /// Total energy, N mm.
     pub energy_n_mm: f64,
+    /// Height of the plate's underside, plane frame, mm; nothing without one.
+    pub plate_mm: Option<f64>,
     /// Largest relative change of a segment's length.
     pub max_strain: f64,
     /// Pairs of segments that pass through each other.

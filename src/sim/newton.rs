@@ -2,6 +2,7 @@
 
 use super::contact::Contacts;
 use super::model::Model;
+use super::plate::Plate;
 use super::turn::Turner;
 use super::{Equilibrium, Error, Factorisation, LdlT, Material, Outcome, Settings, Supports, find_crossings};
 use crate::geom::{P2, V2};
@@ -13,6 +14,7 @@ use crate::ruffle::{Node, Ruffle};
 pub struct Solver {
     model: Model,
     contacts: Option<Contacts>,
+    plate: Plate,
     turner: Turner,
     factorisation: LdlT,
     material: Material,
@@ -85,6 +87,7 @@ impl Solver {
             turner,
             model,
             contacts,
+            plate: Plate::new(ruffle.node_count),
             factorisation,
             material: *material,
             settings: *settings,
@@ -113,9 +116,11 @@ impl Solver {
             }
         }
         self.model.measure(&ruffle.rest_lengths, widths_mm, &self.material);
+        let weight_n = self.model.weight_n();
         if let Some(contacts) = &mut self.contacts {
-            contacts.measure(&ruffle.rest_lengths, widths_mm, &self.material, self.model.weight_n());
+            contacts.measure(&ruffle.rest_lengths, widths_mm, &self.material, weight_n);
         }
+        self.plate.measure(widths_mm, &self.material, weight_n);
         Ok(())
     }
 
@@ -141,6 +146,21 @@ impl Solver {
         Ok(())
     }
 
+    /// Lays a rigid, horizontal plate on the ruffle that weighs `load_n` (N) with all that stands on it, in place of any that lay there; `None` takes it away. It slides
+    /// up and down without friction, does not tilt, and always lies on the ruffle: the next solve starts with it on the highest nodes of its start.
+    ///
+    /// # Errors
+    /// A load that is negative or not a number.
+    pub fn press(&mut self, load_n: Option<f64>) -> Result<(), Error> {
+        if let Some(load_n) = load_n
+            && !(load_n >= 0.0 && load_n.is_finite())
+        {
+            return Err(Error::PlateLoad { load_n });
+        }
+        self.plate.press(load_n);
+        Ok(())
+    }
+
     /// Finds the rest position near `start` (plane frame, mm, one position per node). Held nodes stay where `start` has them, on the floor if that was below it.
     ///
     /// The first solve starts from a drawing, far from rest. There the directions ask for turns that do not fit together, and
@@ -163,6 +183,7 @@ impl Solver {
             iterations,
             residual_n: self.balance(&x),
             energy_n_mm: self.energy(&x),
+            plate_mm: self.plate.height_mm(&x),
             max_strain: self.model.max_strain(&x),
             self_intersections: find_crossings(self.model.segments(), &x).len(),
             positions: x,
@@ -234,6 +255,7 @@ impl Solver {
         if let Some(contacts) = &self.contacts {
             contacts.add_gradient(x, gradient);
         }
+        self.plate.add_gradient(x, gradient);
         let mut residual = 0.0_f64;
         for (unknown, g) in gradient.iter().enumerate() {
             let on_floor = unknown % 2 == 1 && x[unknown / 2].y <= self.settings.floor_mm + FLOOR_REACH_MM && *g > 0.0;
@@ -271,6 +293,7 @@ impl Solver {
         if let Some(contacts) = &self.contacts {
             contacts.add_hessian(x, convex, self.factorisation.pattern(), hessian);
         }
+        self.plate.add_hessian(x, self.factorisation.pattern(), hessian);
         self.factorisation.pattern().damp(hessian, damping_n_per_mm);
         self.factorisation.pattern().fix(hessian, fixed);
         if !self.factorisation.factor(hessian) {
@@ -280,6 +303,9 @@ impl Solver {
             *d = if fixed[unknown] { 0.0 } else { -gradient[unknown] };
         }
         self.factorisation.solve(direction);
+        if !self.plate.follow(x, fixed, &mut self.factorisation, direction) {
+            return false;
+        }
         let farthest = direction.chunks_exact(2).map(|d| d[0].hypot(d[1])).fold(0.0, f64::max);
         let by = |i: usize| V2::new(direction[2 * i], direction[2 * i + 1]);
         let most_turned =
@@ -338,7 +364,8 @@ impl Solver {
     }
 
     fn energy(&self, x: &[P2]) -> f64 {
-        self.model.energy(x) + self.contacts.as_ref().map_or(0.0, |contacts| contacts.energy(x))
+        let contact = self.contacts.as_ref().map_or(0.0, |contacts| contacts.energy(x));
+        self.model.energy(x) + contact + self.plate.energy(x)
     }
 
     /// Refuses a start that passes through itself.

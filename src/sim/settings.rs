@@ -86,6 +86,12 @@ pub enum Error {
         /// Where they meet.
         v_mm: f64,
     },
+    /// A plate that would pull, or weighs nothing that is a number.
+    #[error("the plate's load is {load_n} N; it must be zero or more")]
+    PlateLoad {
+        /// The load, N.
+        load_n: f64,
+    },
     /// The ordering of unknowns failed.
     #[error("could not order {unknowns} unknowns: {status}")]
     Ordering {
