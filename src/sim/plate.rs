@@ -25,7 +25,8 @@ pub(super) struct Plate {
     solved: Vec<f64>,
 }
 
-/// Newton steps towards the height, at most. Each goes at least half of the way (in the logarithm), and near the end the digits double.
+/// Newton steps towards the height, at most. The first few double the gap (the force falls as its inverse), which starts out too narrow by no more than the number of
+/// nodes that share the load; then the digits double.
 const MAX_HEIGHT_STEPS: usize = 100;
 /// The height is found when a step is below this share of the reach: the height's own rounding.
 const HEIGHT_ROUNDING: f64 = 1e-15;
