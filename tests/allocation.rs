@@ -69,12 +69,12 @@ fn newton_steps_after_the_first_allocate_nothing() {
     let mut solver = Solver::new(&drawn.ruffle, &widths, &PAPER_160, &supports, &Settings::default()).unwrap();
     let mut positions = drawn.positions;
 
-    // While the stack first folds up and comes under the plate, the lists of what is near what may still grow, a few times in all.
+    // While the stack first folds up and comes under the plate, the lists of what is near what may grow, and sheets that meet need room in the system.
     let cold = later_steps(&mut solver, &mut positions);
     solver.press(Some(1.0)).unwrap();
     let pressed = later_steps(&mut solver, &mut positions);
-    let grown: usize = cold.iter().chain(&pressed).sum();
-    assert!(cold.len() > 10 && grown <= 8, "{cold:?}, {pressed:?}");
+    let grown = cold.iter().chain(&pressed).filter(|count| **count > 0).count();
+    assert!(cold.len() > 10 && grown <= 4, "{cold:?}, {pressed:?}");
 
     for load_n in [1.1, 1.0, 0.9, 1.0] {
         solver.press(Some(load_n)).unwrap();

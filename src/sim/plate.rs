@@ -238,7 +238,7 @@ mod tests {
             |(i, p): (usize, &P2)| P2::new(p.x + 0.1 * (1.7 * i as f64).sin(), p.y + 0.1 * (2.3 * i as f64).cos());
         let x: Vec<P2> = drawn.positions.iter().enumerate().map(wobble).collect();
         let mut plate = pressed(nodes, 2.0);
-        let gradient = |x: &[P2]| {
+        let mut gradient = |x: &[P2]| {
             let mut g = vec![0.0; n];
             model.gradient(x, &mut g);
             plate.add_gradient(x, &mut g);
