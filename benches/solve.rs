@@ -2,11 +2,12 @@
 //!
 //! Families: `layers`, the paper's load-test stack (30 mm layers, 52.8 mm inner, h 5 mm) with 2 to 72 layers; `refined`, one stack (4 layers of 25 mm, 50 mm
 //! inner) with ever shorter segments. Paper of 160 g/m², 80 mm wide, contact on, foot free. `warm` solves again after 5 % more length in the middle outer section.
+//! With `--contact air` the same follows with the air mesh in place of the barrier: `layers-air` and `refined-air`.
 //! Times are medians; `iteration_per_factor` compares a Newton step with the factorisation it contains in the same run, so that it does not hang on the machine.
 
 use furbelow::progress::Quiet;
 use furbelow::ruffle::{Drawn, Role, uniform_stack};
-use furbelow::sim::{Equilibrium, Material, Outcome, Settings, Solver, Supports};
+use furbelow::sim::{Contact, Equilibrium, Material, Outcome, Settings, Solver, Supports};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -35,16 +36,25 @@ struct Row {
 }
 
 fn main() {
-    let json = std::env::args().any(|a| a == "--json");
-    let layers = [2, 7, 24, 72].map(|n| ("layers", uniform_stack(n, 30.0, 52.8, 5.0)));
-    let refined = [7.88, 2.63, 0.788].map(|h| ("refined", uniform_stack(4, 25.0, 50.0, h)));
-    for (family, drawn) in layers.into_iter().chain(refined) {
-        let row = measure(family, &drawn);
+    let arguments: Vec<String> = std::env::args().collect();
+    let json = arguments.iter().any(|a| a == "--json");
+    let with_air = arguments.windows(2).any(|a| a == ["--contact", "air"]);
+    let mut runs = vec![("layers", "refined", Contact::Barrier)];
+    if with_air {
+        runs.push(("layers-air", "refined-air", Contact::AirMesh));
+    }
+    let families = runs.into_iter().flat_map(|(layers, refined, contact)| {
+        let layers = [2, 7, 24, 72].map(|n| (layers, uniform_stack(n, 30.0, 52.8, 5.0), contact));
+        let refined = [7.88, 2.63, 0.788].map(|h| (refined, uniform_stack(4, 25.0, 50.0, h), contact));
+        layers.into_iter().chain(refined)
+    });
+    for (family, drawn, contact) in families {
+        let row = measure(family, &drawn, contact);
         if json {
             println!("{}", serde_json::to_string(&row).expect("a row holds nothing JSON cannot"));
         } else {
             println!(
-                "{:<8} {:>5} nodes  cold {:>8.2} ms in {:>3}  warm {:>7.2} ms in {:>3}  {:>4.1} factorisations a step  residual {:.1e} N  strain {:.1e}  {} crossings  {:?}",
+                "{:<11} {:>5} nodes  cold {:>8.2} ms in {:>3}  warm {:>7.2} ms in {:>3}  {:>4.1} factorisations a step  residual {:.1e} N  strain {:.1e}  {} crossings  {:?}",
                 row.family,
                 row.nodes,
                 row.cold_ms,
@@ -61,11 +71,12 @@ fn main() {
     }
 }
 
-fn measure(family: &'static str, drawn: &Drawn) -> Row {
+fn measure(family: &'static str, drawn: &Drawn, contact: Contact) -> Row {
     let repeats = if drawn.ruffle.node_count < 500 { 7 } else { 3 };
     let widths = vec![80.0; drawn.ruffle.node_count];
     let supports = Supports { pinned: Vec::new(), upright: vec![drawn.ruffle.foot[0]] };
-    let new = || Solver::new(&drawn.ruffle, &widths, &PAPER_160, &supports, &Settings::default()).expect("a solver");
+    let settings = Settings { contact, ..Settings::default() };
+    let new = || Solver::new(&drawn.ruffle, &widths, &PAPER_160, &supports, &settings).expect("a solver");
 
     let mut times = Vec::new();
     let mut cold = None;

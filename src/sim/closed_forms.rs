@@ -26,7 +26,7 @@ fn weightless() -> Material {
 
 /// No floor and no contact; forces balanced to a millionth of those that bend the strip.
 fn afloat() -> Settings {
-    Settings { floor_mm: f64::NEG_INFINITY, contact: false, residual_n: 1e-6, ..Settings::default() }
+    Settings { floor_mm: f64::NEG_INFINITY, contact: Contact::None, residual_n: 1e-6, ..Settings::default() }
 }
 
 fn solver(ruffle: &Ruffle, material: &Material, supports: &Supports, settings: &Settings) -> Solver {
@@ -272,7 +272,7 @@ fn a_sheet_held_above_the_floor_touches_down_where_it_should() {
         let rigidity = paper(1.0).weight_n_per_mm2() * f64::powi(ell, 3);
         let (ruffle, mut start, supports) = cantilever(n, length);
         start.iter_mut().for_each(|p| p.y = height * ell);
-        let settings = Settings { contact: false, residual_n: 1e-8, ..Settings::default() };
+        let settings = Settings { contact: Contact::None, residual_n: 1e-8, ..Settings::default() };
         let e = at_rest(solver(&ruffle, &paper(rigidity), &supports, &settings), &start);
         let first = e.positions.iter().position(|p| p.y == 0.0).expect("it lies on the floor");
         let segment = length / n as f64;

@@ -165,8 +165,9 @@ impl Contacts {
         self.pairs = pairs;
     }
 
-    /// Shortens the straight step from `x` to `to` so that it ends before anything touches. Energies can then be asked for at both.
-    pub fn advance(&mut self, x: &[P2], to: &mut [P2]) {
+    /// Shortens the straight step from `x` to `to` so that it ends before anything touches, and returns the share that is left. Energies can then be asked for at
+    /// both ends.
+    pub fn advance(&mut self, x: &[P2], to: &mut [P2]) -> f64 {
         self.collect(x, to);
         let moving = |i: usize| Moving { at: x[i], by: to[i] - x[i] };
         let touch = |pair: &Pair| first_touch(moving(pair.node), moving(pair.ends[0]), moving(pair.ends[1]));
@@ -174,6 +175,7 @@ impl Contacts {
         if open < 1.0 {
             to.iter_mut().zip(x).for_each(|(to, from)| *to = from + (*to - from) * open);
         }
+        open.min(1.0)
     }
 
     /// Asks for less distance until a start that lies closer than the full one has a finite energy. Sheets that touch are pulled apart from there. False when

@@ -4,11 +4,13 @@
 //! segment, the tangency of connection points as bending between the sheets that meet, gravity, and a floor. Newton's method finds the
 //! minimum of the energy; every term has an exact gradient and Hessian. A plate with a dead load may lie on top.
 
+mod air;
 mod barrier;
 mod ccd;
 #[cfg(test)]
 mod closed_forms;
 mod contact;
+mod contact_model;
 mod crossings;
 mod hinge;
 mod ldl;
@@ -22,11 +24,13 @@ mod stretch;
 #[cfg(test)]
 mod tests;
 mod turn;
+mod untangle;
+mod walk;
 
 pub use crossings::find_crossings;
 pub use ldl::{Factorisation, LdlT, Pattern};
 pub use newton::Solver;
-pub use settings::{Error, Settings, Supports};
+pub use settings::{Contact, Error, Settings, StripPlace, Supports};
 
 use crate::geom::P2;
 use serde::Serialize;

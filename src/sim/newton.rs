@@ -1,9 +1,11 @@
 //! Newton's method with a floor.
 
-use super::contact::Contacts;
+use super::contact_model::ContactModel;
 use super::model::Model;
 use super::plate::Plate;
 use super::turn::Turner;
+use super::untangle::untangle;
+use super::walk::Walk;
 use super::{Equilibrium, Error, Factorisation, LdlT, Material, Outcome, Settings, Supports, find_crossings};
 use crate::geom::{P2, V2};
 use crate::progress::{Observer, Progress};
@@ -13,7 +15,8 @@ use crate::ruffle::{Node, Ruffle};
 #[derive(Debug, Clone)]
 pub struct Solver {
     model: Model,
-    contacts: Option<Contacts>,
+    walk: Walk,
+    contacts: ContactModel,
     plate: Plate,
     turner: Turner,
     factorisation: LdlT,
@@ -60,7 +63,7 @@ impl Solver {
     ) -> Result<Solver, Error> {
         let mut model = Model::new(ruffle);
         let pattern = model.pattern(std::iter::empty())?;
-        let contacts = settings.contact.then(|| Contacts::new(ruffle));
+        let contacts = ContactModel::new(settings.contact, ruffle);
         let turner = Turner::new(ruffle.node_count, ruffle.segments())?;
         let unknowns = pattern.unknowns();
         let supported = supports.pinned.iter().chain(&supports.upright).map(|node| node.index() + 1).max();
@@ -86,6 +89,7 @@ impl Solver {
         let mut solver = Solver {
             turner,
             model,
+            walk: Walk::new(ruffle),
             contacts,
             plate: Plate::new(ruffle.node_count),
             factorisation,
@@ -117,9 +121,8 @@ impl Solver {
         }
         self.model.measure(&ruffle.rest_lengths, widths_mm, &self.material);
         let weight_n = self.model.weight_n();
-        if let Some(contacts) = &mut self.contacts {
-            contacts.measure(&ruffle.rest_lengths, widths_mm, &self.material, weight_n);
-        }
+        self.walk.measure(&ruffle.rest_lengths);
+        self.contacts.measure(&ruffle.rest_lengths, widths_mm, &self.material, weight_n);
         self.plate.measure(widths_mm, &self.material, weight_n);
         Ok(())
     }
@@ -169,13 +172,17 @@ impl Solver {
         self.check_start(start)?;
         let floor = self.settings.floor_mm;
         let mut x: Vec<P2> = start.iter().map(|p| P2::new(p.x, p.y.max(floor))).collect();
-        self.admit(&x)?;
+        let untangled = self.enter(&mut x)?;
         let mut iterations = 0;
-        if !std::mem::replace(&mut self.warm, true) {
+        if !std::mem::replace(&mut self.warm, true) || untangled {
             self.model.set_stretch_share(SOFT_SHARE);
             let tolerance_n = self.model.weight_n() / x.len() as f64;
             self.settle(&mut x, tolerance_n, &mut iterations, observer)?;
             self.model.set_stretch_share(1.0);
+        }
+        if untangled {
+            // Sheets laid close to each other have parted, and now keep their full distance.
+            self.admit(&x)?;
         }
         let outcome = self.settle(&mut x, self.settings.residual_n, &mut iterations, observer)?;
         Ok(Equilibrium {
@@ -252,9 +259,7 @@ impl Solver {
     fn balance(&mut self, x: &[P2]) -> f64 {
         let Scratch { gradient, fixed, .. } = &mut self.scratch;
         self.model.gradient(x, gradient);
-        if let Some(contacts) = &self.contacts {
-            contacts.add_gradient(x, gradient);
-        }
+        self.contacts.add_gradient(x, gradient);
         self.plate.add_gradient(x, gradient);
         let mut residual = 0.0_f64;
         for (unknown, g) in gradient.iter().enumerate() {
@@ -290,9 +295,7 @@ impl Solver {
     fn newton_direction(&mut self, x: &[P2], convex: bool, damping_n_per_mm: f64) -> bool {
         let Scratch { gradient, direction, hessian, fixed, .. } = &mut self.scratch;
         self.model.hessian(x, convex, hessian);
-        if let Some(contacts) = &self.contacts {
-            contacts.add_hessian(x, convex, self.factorisation.pattern(), hessian);
-        }
+        self.contacts.add_hessian(x, convex, self.factorisation.pattern(), hessian);
         self.plate.add_hessian(x, self.factorisation.pattern(), hessian);
         self.factorisation.pattern().damp(hessian, damping_n_per_mm);
         self.factorisation.pattern().fix(hessian, fixed);
@@ -324,9 +327,7 @@ impl Solver {
         let mut t = 1.0;
         for _ in 0..MAX_HALVINGS {
             self.project(x, t);
-            if let Some(contacts) = &mut self.contacts {
-                contacts.advance(x, &mut self.scratch.trial);
-            }
+            self.contacts.advance(x, &mut self.scratch.trial);
             let Scratch { gradient, trial, .. } = &self.scratch;
             let steps = trial.iter().zip(x.iter()).zip(gradient.chunks_exact(2));
             let decrease: f64 = steps.map(|((to, from), g)| g[0] * (from.x - to.x) + g[1] * (from.y - to.y)).sum();
@@ -364,28 +365,26 @@ impl Solver {
     }
 
     fn energy(&self, x: &[P2]) -> f64 {
-        let contact = self.contacts.as_ref().map_or(0.0, |contacts| contacts.energy(x));
-        self.model.energy(x) + contact + self.plate.energy(x)
+        self.model.energy(x) + self.contacts.energy(x) + self.plate.energy(x)
     }
 
-    /// Refuses a start that passes through itself.
+    /// Refuses a state that the contact terms can make nothing of.
     fn admit(&mut self, x: &[P2]) -> Result<(), Error> {
-        let Some(contacts) = &mut self.contacts else { return Ok(()) };
-        let crossings = find_crossings(self.model.segments(), x);
-        if crossings.is_empty() && contacts.admit(x) {
-            return Ok(());
-        }
-        let (first, second) = crossings.first().copied().unwrap_or((0, 0));
-        let (i, _) = self.model.segments().nth(first).unwrap_or((0, 0));
-        Err(Error::Crossed { crossings: crossings.len(), first, second, u_mm: x[i].x, v_mm: x[i].y })
+        if self.contacts.admit(self.model.segments(), x) { Ok(()) } else { Err(self.walk.crossed(x)) }
+    }
+
+    /// Pulls a start that passes through itself apart, or refuses it; returns whether it had to.
+    fn enter(&mut self, x: &mut Vec<P2>) -> Result<bool, Error> {
+        let Err(refused) = self.admit(x) else { return Ok(false) };
+        *x = untangle(&self.walk, x, &self.held, self.settings.floor_mm).ok_or(refused)?;
+        self.admit(x).map(|()| true)
     }
 
     /// Analyses the system anew when sheets have come close that it has no room for.
     fn make_room(&mut self, x: &[P2]) -> Result<(), Error> {
-        if let Some(contacts) = &self.contacts
-            && !contacts.fits(x, self.factorisation.pattern())
-        {
-            let pattern = self.model.pattern(contacts.elements(x))?;
+        self.contacts.adapt(x);
+        if !self.contacts.fits(x, self.factorisation.pattern()) {
+            let pattern = self.model.pattern(self.contacts.elements(x).into_iter())?;
             self.scratch.hessian.resize(pattern.slots(), 0.0);
             self.factorisation = LdlT::new(pattern);
         }

@@ -15,8 +15,19 @@ pub struct Settings {
     pub max_turn_rad: f64,
     /// Height of the floor, plane frame, mm; minus infinity for none.
     pub floor_mm: f64,
-    /// Whether sheets keep each other out. Without it strips may pass through themselves.
-    pub contact: bool,
+    /// What keeps sheets apart.
+    pub contact: Contact,
+}
+
+/// What keeps the sheets of a strip apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Contact {
+    /// Nothing: the strip may pass through itself.
+    None,
+    /// A logarithmic barrier with continuous collision detection: no accepted state crosses, and sheets keep their thickness.
+    Barrier,
+    /// The paper's air mesh (section 4.1.3): a penalty on triangles of the void that turn inside out. Sheets under load overlap a little and may pass through each other; they have no thickness.
+    AirMesh,
 }
 
 impl Default for Settings {
@@ -27,7 +38,7 @@ impl Default for Settings {
             max_step_mm: 100.0,
             max_turn_rad: 1.0,
             floor_mm: 0.0,
-            contact: true,
+            contact: Contact::Barrier,
         }
     }
 }
@@ -39,6 +50,15 @@ pub struct Supports {
     pub pinned: Vec<Node>,
     /// Nodes that move up and down only.
     pub upright: Vec<Node>,
+}
+
+/// A place of the strip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StripPlace {
+    /// Section, an index into [`crate::ruffle::Ruffle::sections`].
+    pub section: usize,
+    /// Rest length of the strip from its start to the place, mm.
+    pub along_mm: f64,
 }
 
 /// Why a solve could not start.
@@ -70,20 +90,21 @@ pub enum Error {
         /// The node.
         node: usize,
     },
-    /// A start in which the strip passes through itself, or sheets lie on each other.
+    /// A start in which the strip passes through itself, or sheets lie on each other, and could not be laid out otherwise.
     #[error(
-        "the strip starts out passing through itself in {crossings} places, first where segments {first} and {second} meet near u {u_mm:.1}, v {v_mm:.1} mm; draw it with other layers"
+        "the strip starts out passing through itself in {crossings} places; where section {} ({:.1} mm along the strip) meets section {} ({:.1} mm along) near u {u_mm:.1}, v {v_mm:.1} mm it could not be pulled apart; draw it with other layers",
+        first.section, first.along_mm, second.section, second.along_mm
     )]
     Crossed {
         /// Pairs of segments that cross; 0 when sheets only lie on each other.
         crossings: usize,
-        /// A segment, in strip order.
-        first: usize,
-        /// Another.
-        second: usize,
-        /// Where they meet.
+        /// One place of the strip that meets another.
+        first: StripPlace,
+        /// The other, farther along the strip.
+        second: StripPlace,
+        /// Where they meet, plane frame.
         u_mm: f64,
-        /// Where they meet.
+        /// Where they meet, plane frame.
         v_mm: f64,
     },
     /// A plate that would pull, or weighs nothing that is a number.

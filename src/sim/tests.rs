@@ -160,18 +160,6 @@ fn thick_sheets_keep_their_thickness_apart_away_from_joints() {
 }
 
 #[test]
-fn a_start_that_crosses_is_refused_with_the_place() {
-    let mut drawn = square_stack();
-    let top = drawn.positions.iter().map(|p| p.y).fold(0.0, f64::max);
-    drawn.positions.iter_mut().filter(|p| p.y > 0.9 * top).for_each(|p| p.y -= 40.0);
-    let widths = vec![60.0; drawn.ruffle.node_count];
-    let mut solver =
-        Solver::new(&drawn.ruffle, &widths, &paper(2.1), &Supports::default(), &Settings::default()).unwrap();
-    let refused = solver.solve(&drawn.positions, &mut Quiet).unwrap_err();
-    assert!(matches!(refused, Error::Crossed { crossings: 1.., .. }), "{refused}");
-}
-
-#[test]
 fn a_sheet_dropped_from_far_above_its_reach_lands_on_the_one_below() {
     // A strip folded once: the lower run is held, the upper one hangs over it, far outside the barrier, and is pressed down hard. Its first Newton steps are
     // centimetres long and end below.
