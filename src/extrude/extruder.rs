@@ -134,6 +134,7 @@ mod tests {
             rest_lengths: rest_lengths.to_vec(),
             sections: vec![Section { role: Role::Inner, first_segment: 0, end_segment: rest_lengths.len() }],
             foot: [Node(0), Node(nodes - 1)],
+            densified: Default::default(),
         }
     }
 

@@ -177,6 +177,7 @@ mod tests {
                 section(Role::Outer, 3),
             ],
             foot: [Node(0), Node(1)],
+            densified: Default::default(),
         };
         (Outline { outer: corners, holes: Vec::new() }, ruffle, positions)
     }

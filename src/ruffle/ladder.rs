@@ -1,11 +1,9 @@
 //! Threads the strip through a stack of slabs: rungs, loops and diagonals.
 
-use super::{Drawn, Node, Role, Ruffle, Section};
+use super::curve::{Curve, segments_for};
+use super::{Densified, Drawn, Node, Role, Ruffle, Section};
 use crate::geom::{P2, V2};
-use lyon::geom::{CubicBezierSegment, point};
 
-/// A loop needs this many segments to bend smoothly through half a turn.
-const MIN_SEGMENTS: usize = 8;
 /// Shortest rung, mm: a flap's neck with room at both sides.
 pub(super) const MIN_RUNG_MM: f64 = 10.0;
 /// How far a rung's ends draw back from the outline, in layer heights: the room its loops bulge into.
@@ -100,71 +98,9 @@ fn thread(rungs: &[Rung], segment_mm: f64, side: fn(P2, P2, V2, f64) -> Curve) -
         rest_lengths: weaver.rest_lengths,
         sections: weaver.sections,
         foot,
+        densified: Densified::default(),
     };
     Drawn { ruffle, positions: weaver.positions }
-}
-
-/// A section as drawn: points so close together that chords and curve are the same.
-struct Curve(Vec<P2>);
-
-/// Points that stand for a curve.
-const FINE: usize = 512;
-
-impl Curve {
-    fn bezier(from: P2, ctrl1: P2, ctrl2: P2, to: P2) -> Curve {
-        let p = |q: P2| point(q.x, q.y);
-        let cubic = CubicBezierSegment { from: p(from), ctrl1: p(ctrl1), ctrl2: p(ctrl2), to: p(to) };
-        let at = |i: usize| cubic.sample(i as f64 / FINE as f64);
-        Curve((0..=FINE).map(|i| P2::new(at(i).x, at(i).y)).collect())
-    }
-
-    fn line(from: P2, to: P2) -> Curve {
-        Curve(vec![from, to])
-    }
-
-    /// A loop from `from` to `to` that leaves and arrives along `out` and reaches `reach` beyond the middle of its ends. A cubic reaches
-    /// three quarters of its handles; unequal ends get handles that bring both to the same extent.
-    fn loop_beyond(from: P2, to: P2, out: V2, reach: f64) -> Curve {
-        let lead = (to - from).dot(&out);
-        let least = reach / 4.0 + 1.0;
-        let handle = |r: f64| 4.0 / 3.0 * r.max(least);
-        Curve::bezier(from, from + out * handle(reach + lead / 2.0), to + out * handle(reach - lead / 2.0), to)
-    }
-
-    /// The half circle over `from` and `to` on the side of `out`.
-    fn half_circle(from: P2, to: P2, out: V2) -> Curve {
-        let (middle, up) = (nalgebra::center(&from, &to), 0.5 * (to - from));
-        let out = out.normalize() * up.norm();
-        let at = |i: usize| {
-            let (sin, cos) = (std::f64::consts::PI * i as f64 / FINE as f64).sin_cos();
-            middle - up * cos + out * sin
-        };
-        Curve((0..=FINE).map(at).collect())
-    }
-
-    /// Points that divide the curve evenly by length, ends included, and its length.
-    fn divide(&self, segment_mm: f64) -> (Vec<P2>, f64) {
-        let fine = &self.0;
-        let mut along = vec![0.0];
-        for w in fine.windows(2) {
-            along.push(along[along.len() - 1] + (w[1] - w[0]).norm());
-        }
-        let last = fine.len() - 1;
-        let length = along[last];
-        let n = ((length / segment_mm).round() as usize).max(MIN_SEGMENTS);
-        let mut k = 0;
-        let points = (0..=n)
-            .map(|i| {
-                let s = length * i as f64 / n as f64;
-                while k + 1 < last && along[k + 1] < s {
-                    k += 1;
-                }
-                let t = ((s - along[k]) / (along[k + 1] - along[k])).clamp(0.0, 1.0);
-                fine[k] + (fine[k + 1] - fine[k]) * t
-            })
-            .collect();
-        (points, length)
-    }
 }
 
 /// Collects sections into a ruffle.
@@ -191,8 +127,9 @@ impl Weaver {
 
     /// Adds a section that ends on `end`, or on a new node; returns that node.
     fn section(&mut self, curve: &Curve, role: Role, end: Option<Node>) -> Node {
-        let (points, length) = curve.divide(self.segment_mm);
-        let n = points.len() - 1;
+        let length = curve.length();
+        let n = segments_for(length, self.segment_mm);
+        let points = curve.divide(n);
         for p in &points[1..n] {
             let node = self.new_node(*p);
             self.walk.push(node);

@@ -5,12 +5,22 @@
 
 mod check;
 mod chords;
+mod curve;
+mod densified;
+mod edit;
 mod ladder;
+mod load_test;
 mod packed;
 mod stack;
 
 pub use check::Flaw;
+pub use densified::{Densification, Densified};
+pub use edit::{
+    EditError, EditSettings, Limits, densify, insert_layer, layer_count, merge_segments, remove_layer, set_length,
+    split_segments, undensify,
+};
 pub use ladder::uniform_stack;
+pub use load_test::{Strip, load_test};
 pub use stack::{Drawn, Layering, StackError, StackSettings, draw_stack};
 
 use serde::{Deserialize, Serialize};
@@ -81,6 +91,8 @@ pub struct Ruffle {
     pub sections: Vec<Section>,
     /// Nodes that hold the foot when it is glued to a base: the ends of the bottom rung.
     pub foot: [Node; 2],
+    /// What densifying made of it.
+    pub densified: Densified,
 }
 
 impl Ruffle {

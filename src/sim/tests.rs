@@ -17,7 +17,14 @@ pub(super) fn cantilever(n: usize, length_mm: f64) -> (Ruffle, Vec<P2>, Supports
     let positions: Vec<P2> =
         std::iter::once(-clamp).chain((0..=n).map(|i| i as f64 * h)).map(|x| P2::new(x, 0.0)).collect();
     let sections = vec![Section { role: Role::Outer, first_segment: 0, end_segment: n + 1 }];
-    let ruffle = Ruffle { node_count: n + 2, walk, rest_lengths, sections, foot: [Node(0), Node(1)] };
+    let ruffle = Ruffle {
+        node_count: n + 2,
+        walk,
+        rest_lengths,
+        sections,
+        foot: [Node(0), Node(1)],
+        densified: Default::default(),
+    };
     (ruffle, positions, Supports { pinned: vec![Node(0), Node(1)], upright: Vec::new() })
 }
 
@@ -171,7 +178,14 @@ fn a_sheet_dropped_from_far_above_its_reach_lands_on_the_one_below() {
     let walk: Vec<Node> = (0..start.len() as u32).map(Node).collect();
     let rest_lengths: Vec<f64> = start.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
     let sections = vec![Section { role: Role::Outer, first_segment: 0, end_segment: rest_lengths.len() }];
-    let ruffle = Ruffle { node_count: start.len(), walk, rest_lengths, sections, foot: [Node(0), Node(1)] };
+    let ruffle = Ruffle {
+        node_count: start.len(),
+        walk,
+        rest_lengths,
+        sections,
+        foot: [Node(0), Node(1)],
+        densified: Default::default(),
+    };
     let supports = Supports { pinned: (0..=n as u32).map(Node).collect(), upright: Vec::new() };
     let settings = Settings { floor_mm: f64::NEG_INFINITY, ..Settings::default() };
     let widths = vec![40.0; start.len()];
