@@ -61,5 +61,8 @@ pub fn load_test(strip: Strip, segment_mm: f64) -> Result<Drawn, EditError> {
             dense = set_length(&dense, section, length_mm, &settings)?;
         }
     }
+    // Drawn as long as it is at rest, so that a foot held where it is drawn does not stretch its rung.
+    let squeeze = |u: f64| if u < 0.0 { u } else { u - (1.0 - DENSE_INNER) * u.min(INNER_MM) };
+    dense.positions.iter_mut().for_each(|p| p.x = squeeze(p.x));
     Ok(dense)
 }

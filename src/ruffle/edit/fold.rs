@@ -16,14 +16,19 @@ use crate::ruffle::Role;
 use crate::ruffle::curve::{Curve, smooth};
 use std::f64::consts::PI;
 
-/// Where the fold lies on the section, as shares of its length: the middle, and stretches long enough to lead into it.
-const FOLD: [f64; 2] = [0.3, 0.7];
-/// Height of the fold over the section's length: its loops are then about half as wide as long.
-const HEIGHT: f64 = 0.2;
-/// Share of the free space beside the section that is used.
-const FREE_SHARE: f64 = 0.6;
+/// Middle of the fold on the section, as a share of its length: the first of those where the free space across it is largest. A rung has more room where a loop leaves
+/// it than where a diagonal does.
+const MIDDLES: [f64; 5] = [0.5, 0.42, 0.58, 0.35, 0.65];
+/// Half the way between X and Y over the section's length.
+const HALF_LENGTH: f64 = 0.17;
+/// Full height of the fold over the section's length: its rooms are then about half as high as long.
+const HEIGHT: f64 = 0.22;
 /// Heights tried, as shares of the full one: between sheets that turn towards it a lower fold may fit.
 pub(super) const SHARES: [f64; 4] = [1.0, 0.75, 0.55, 0.4];
+/// Least segments in the half turn of a loop: with fewer it starts out with a crease.
+const TURN_SEGMENTS: f64 = 2.0;
+/// Share of the free space beside the section that is used.
+const FREE_SHARE: f64 = 0.6;
 /// Stations at which the free space is measured.
 const STATIONS: usize = 64;
 
@@ -98,45 +103,57 @@ impl Obstacles {
     }
 }
 
-/// Folds a part back on itself, `share` (0 to 1) of full height.
-pub(super) fn fold(draft: &mut Draft, part: usize, share: f64, segment_mm: f64) {
+/// Lowest and highest n of a fold around `middle`, mm: no higher than `height_mm`, as near to the old section as the free space allows.
+fn extent(frame: &Frame, middle: f64, height_mm: f64) -> [f64; 2] {
+    let reach = HALF_LENGTH + 0.5 * HEIGHT;
+    let within = |i: &usize| (*i as f64 / STATIONS as f64 - middle).abs() <= reach;
+    let least = |free: &Vec<f64>| (0..=STATIONS).filter(within).map(|i| free[i]).fold(f64::INFINITY, f64::min);
+    let [left, right] = [0, 1].map(|side| FREE_SHARE * least(&frame.free[side]));
+    let up = (0.5 * height_mm).min(left);
+    let down = (height_mm - up).min(right);
+    [-down, (height_mm - down).min(left)]
+}
+
+/// Folds a part back on itself, `share` (0 to 1) of full height. `None`, and nothing changed, where that is too low to bend round.
+pub(super) fn fold(draft: &mut Draft, part: usize, share: f64, segment_mm: f64) -> Option<()> {
     let frame = Frame::new(draft, part);
     let length = frame.curve.length();
-    let height = share * HEIGHT * length;
-    let [start, end] = FOLD;
-    let bulge = 0.5 * HEIGHT * share;
-    // The fold lies where there is room for it across, as near to the old section as that allows.
-    let free = |side: usize| {
-        let within = |i: &usize| (start - bulge..=end + bulge).contains(&(*i as f64 / STATIONS as f64));
-        FREE_SHARE * (0..=STATIONS).filter(within).map(|i| frame.free[side][i]).fold(f64::INFINITY, f64::min)
-    };
-    let up = (0.5 * height).min(free(0));
-    let down = (height - up).min(free(1));
-    let up = (height - down).min(free(0));
-    let (low, high) = (-down, up);
-    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let height_mm = share * HEIGHT * length;
+    let (mut middle, mut span) = (0.5, [0.0; 2]);
+    for candidate in MIDDLES {
+        let found = extent(&frame, candidate, height_mm);
+        if found[1] - found[0] > 1.01 * (span[1] - span[0]) {
+            (middle, span) = (candidate, found);
+        }
+    }
+    let [low, high] = span;
+    let (level, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let round = PI * half;
+    if round < TURN_SEGMENTS * segment_mm {
+        return None;
+    }
+    let bulge = half / length;
+    let (start, end) = (middle - HALF_LENGTH, middle + HALF_LENGTH);
 
     let Part { role, from: p, to: q, .. } = draft.parts[part];
     let x = draft.new_knot(frame.at(start, low));
     let y = draft.new_knot(frame.at(end, high));
-    // Two stretches each; the trace spends on each about what it is long.
-    let straight = (end - start) * length;
-    let round = PI * half;
-    let turn_share = round / (straight + round);
+    // Along and round: the trace spends on each about what it is long.
+    let turn_share = round / ((end - start) * length + round);
     let across = |v: f64| start + (end - start) * v;
     let below = |v: f64| {
         if v < 1.0 - turn_share {
             return frame.at(across(v / (1.0 - turn_share)), low);
         }
         let (sin, cos) = (PI * (v - 1.0 + turn_share) / turn_share).sin_cos();
-        frame.at(end + bulge * sin, middle - half * cos)
+        frame.at(end + bulge * sin, level - half * cos)
     };
     let above = |v: f64| {
         if v > turn_share {
             return frame.at(across((v - turn_share) / (1.0 - turn_share)), high);
         }
         let (sin, cos) = (PI * v / turn_share).sin_cos();
-        frame.at(start - bulge * sin, middle - half * cos)
+        frame.at(start - bulge * sin, level - half * cos)
     };
     let (lead, tail) = (start - bulge, 1.0 - end - bulge);
     let eased = |n: f64, way: f64| n * smooth(way.min(1.0));
@@ -155,4 +172,5 @@ pub(super) fn fold(draft: &mut Draft, part: usize, share: f64, segment_mm: f64) 
     ];
     let parts = runs.map(|(role, ends, curve)| Draft::part(role, ends, &curve, curve.length(), segment_mm));
     draft.densified(part, parts.to_vec());
+    Some(())
 }

@@ -101,7 +101,9 @@ pub fn densify(drawn: &Drawn, section: usize, settings: &EditSettings) -> Result
     let mut refused = None;
     for share in fold::SHARES {
         let mut folded = draft.clone();
-        fold::fold(&mut folded, section, share, settings.segment_mm);
+        if fold::fold(&mut folded, section, share, settings.segment_mm).is_none() {
+            break;
+        }
         match close(&folded, section, before, settings) {
             Ok(drawn) => return Ok(drawn),
             Err(error) => refused = refused.or(Some(error)),

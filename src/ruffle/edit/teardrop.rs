@@ -105,11 +105,11 @@ impl Surface {
         0.5 * (self.low[piece].length() + self.high[piece].length())
     }
 
-    /// A loop from u to u across the line t = `from`, round on both sides, as deep as half its width but at most `most` of what is there.
-    fn lobe(&self, from: f64, side: f64, [start, end]: [f64; 2], most: f64) -> Curve {
+    /// A loop from u to u across the line t = `from`, round on both sides, [`DEPTH`] deep but at most [`DEEPEST`].
+    fn lobe(&self, from: f64, side: f64, [start, end]: [f64; 2]) -> Curve {
         let width = (self.at(from, end) - self.at(from, start)).norm();
         let piece = if side < 0.0 { 0 } else { 2 };
-        let depth = side * (0.5 * width / self.reach_mm(piece)).min(most);
+        let depth = side * (DEPTH * width / self.reach_mm(piece)).min(DEEPEST);
         Curve::traced(|v| {
             let (sin, cos) = (PI * v).sin_cos();
             self.at(from + depth * sin, start + (end - start) * 0.5 * (1.0 - cos))
@@ -117,6 +117,8 @@ impl Surface {
     }
 }
 
+/// Depth of a lobe over its width, a little more than a half circle's: with it the dense load-test strip is as long as the paper's table says.
+const DEPTH: f64 = 0.6;
 /// Deepest lobe, as a share of the side or half loop it lies beside: beyond it the room is too narrow for a loop.
 const DEEPEST: f64 = 0.8;
 
@@ -143,11 +145,11 @@ pub(super) fn divide_room(draft: &mut Draft, part: usize, segment_mm: f64) -> Op
     let Part { role, from: p, to: q, .. } = draft.parts[part];
     let c = draft.new_knot(surface.at(1.0, 0.5));
     let runs = [
-        (role, [p, c], surface.lobe(1.0, 1.0, [0.0, 0.5], DEEPEST)),
+        (role, [p, c], surface.lobe(1.0, 1.0, [0.0, 0.5])),
         (Role::Densified, [c, a], Curve::traced(|v| surface.at(1.0 - v, 0.5 * smooth(1.0 - v)))),
-        (Role::Densified, [a, b], surface.lobe(0.0, -1.0, [0.0, 1.0], DEEPEST)),
+        (Role::Densified, [a, b], surface.lobe(0.0, -1.0, [0.0, 1.0])),
         (Role::Densified, [b, c], Curve::traced(|v| surface.at(v, 1.0 - 0.5 * smooth(v)))),
-        (role, [c, q], surface.lobe(1.0, 1.0, [0.5, 1.0], DEEPEST)),
+        (role, [c, q], surface.lobe(1.0, 1.0, [0.5, 1.0])),
     ];
     let parts = runs.map(|(role, ends, curve)| Draft::part(role, ends, &curve, curve.length(), segment_mm));
     draft.densified(part, parts.to_vec());
