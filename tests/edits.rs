@@ -76,7 +76,10 @@ fn session(seed: u64, done: &mut [usize; 7]) {
         let edited = match edit(&drawn, kind, &mut dice) {
             Ok(edited) => edited,
             Err(EditError::Flaw(flaw)) => panic!("{place}: {flaw}"),
-            Err(_) => continue,
+            Err(e) => {
+                println!("{place}: {e}");
+                continue;
+            }
         };
         edited.ruffle.check().unwrap();
         let supports = Supports { pinned: vec![edited.ruffle.foot[0]], upright: Vec::new() };
@@ -93,7 +96,9 @@ fn session(seed: u64, done: &mut [usize; 7]) {
 fn sessions(seeds: std::ops::Range<u64>) {
     let mut done = [0; 7];
     seeds.for_each(|seed| session(seed, &mut done));
-    for (kind, n) in KINDS.iter().zip(done) { println!("{kind} {n}"); }
+    for (kind, n) in KINDS.iter().zip(done) {
+        println!("{kind} {n}");
+    }
     for (kind, n) in KINDS.iter().zip(done) {
         assert!(n >= 10, "only {n} edits of kind {kind} went through");
     }

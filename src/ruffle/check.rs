@@ -1,6 +1,6 @@
 //! What must hold for a ruffle after every change of its topology.
 
-use super::Ruffle;
+use super::{Densification, Ruffle};
 
 /// A broken rule, naming the place.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -61,6 +61,26 @@ pub enum Flaw {
         /// Position in the walk.
         position: usize,
     },
+    /// A densification that names sections it cannot have made.
+    #[error(
+        "densification {index} names sections {first} to {end} of {count}; densifications lie inside each other or apart, outer ones first"
+    )]
+    Densification {
+        /// Index of the densification.
+        index: usize,
+        /// First section named.
+        first: usize,
+        /// One past the last.
+        end: usize,
+        /// Number of sections.
+        count: usize,
+    },
+    /// A midpoint that does not lie between two sections.
+    #[error("node {node} is named as a midpoint, but no section ends there")]
+    Midpoint {
+        /// The node.
+        node: usize,
+    },
 }
 
 impl Ruffle {
@@ -100,14 +120,34 @@ impl Ruffle {
         if expected != segments {
             return Err(Flaw::SectionGap { section: self.sections.len(), found: segments, expected });
         }
-        Ok(())
+        self.check_densified()
+    }
+
+    fn check_densified(&self) -> Result<(), Flaw> {
+        let count = self.sections.len();
+        let made = &self.densified.made;
+        for (index, m) in made.iter().enumerate() {
+            let (first, end) = (m.first_section, m.end_section);
+            let fits = |before: &Densification| {
+                let apart = before.end_section <= first;
+                let inside = before.first_section <= first && end <= before.end_section;
+                apart || inside
+            };
+            let length = m.length_mm > 0.0 && m.length_mm.is_finite();
+            if first + 2 > end || end > count || !length || !made[..index].iter().all(fits) {
+                return Err(Flaw::Densification { index, first, end, count });
+            }
+        }
+        let inner_ends = || self.sections[1..].iter().map(|s| self.walk[s.first_segment]);
+        let loose = self.densified.midpoints.iter().find(|node| !inner_ends().any(|end| end == **node));
+        loose.map_or(Ok(()), |node| Err(Flaw::Midpoint { node: node.index() }))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ruffle::{Node, uniform_stack};
+    use crate::ruffle::{Node, Role, uniform_stack};
 
     #[test]
     fn every_way_to_break_a_ruffle_is_noticed() {
@@ -150,5 +190,17 @@ mod tests {
             }),
             Flaw::ConnectionInside { .. } | Flaw::Orphan { .. }
         ));
+        let made = |first_section, end_section| Densification {
+            first_section,
+            end_section,
+            role: Role::Outer,
+            length_mm: 40.0,
+        };
+        for runs in [vec![made(7, 12)], vec![made(3, 4)], vec![made(0, 4), made(2, 6)], vec![made(2, 4), made(0, 5)]] {
+            let refused = flaw(&|r| r.densified.made = runs.clone());
+            assert!(matches!(refused, Flaw::Densification { .. }), "{runs:?}");
+        }
+        let inside = good.walk[good.sections[2].first_segment + 1];
+        assert!(matches!(flaw(&|r| r.densified.midpoints = vec![inside]), Flaw::Midpoint { .. }));
     }
 }

@@ -68,9 +68,9 @@ pub enum EditError {
         /// Section.
         section: usize,
     },
-    /// The strip would pass through itself.
+    /// The strip would meet itself, or its loops would be too small to draw.
     #[error(
-        "section {section}: no room to redraw it, the strip would meet itself near u {u_mm:.1}, v {v_mm:.1} mm; make the sections around it longer, or take coarser layers"
+        "section {section}: no room to redraw it near u {u_mm:.1}, v {v_mm:.1} mm; make the sections around it longer, take fewer layers, or use shorter segments"
     )]
     NoRoom {
         /// Section that was edited.
