@@ -62,12 +62,30 @@ fn edit(drawn: &Drawn, kind: usize, dice: &mut Dice) -> Result<Drawn, EditError>
         "split" if drawn.ruffle.sections[section].segments().len() < 16 => split_segments(drawn, section, &SETTINGS),
         "insert" if layers < 4 => insert_layer(drawn, dice.below(layers + 1), LAYER_MM, &SETTINGS),
         "remove" => remove_layer(drawn, dice.below(layers), &SETTINGS),
-        _ => merge_segments(drawn, section, &SETTINGS),
+        "merge" => {
+            let segments = |s: &usize| drawn.ruffle.sections[*s].segments().len();
+            let finest = (0..drawn.ruffle.sections.len()).max_by_key(segments).unwrap_or(0);
+            merge_segments(drawn, finest, &SETTINGS)
+        }
+        _ => densify(drawn, section, &SETTINGS),
     }
 }
 
+/// Weight of the strip as the solver sees it, N: what its energy gains when it is lifted.
+fn weight_n(drawn: &Drawn) -> f64 {
+    const LIFT_MM: f64 = 1000.0;
+    let afloat = Settings { max_iterations: 0, contact: false, floor_mm: f64::NEG_INFINITY, ..Settings::default() };
+    let widths = vec![WIDTH_MM; drawn.ruffle.node_count];
+    let energy = |lift_mm: f64| {
+        let lifted: Vec<_> = drawn.positions.iter().map(|p| p + V2::new(0.0, lift_mm)).collect();
+        let mut solver = Solver::new(&drawn.ruffle, &widths, &PAPER, &Supports::default(), &afloat).unwrap();
+        solver.solve(&lifted, &mut Quiet).unwrap().energy_n_mm
+    };
+    (energy(LIFT_MM) - energy(0.0)) / LIFT_MM
+}
+
 /// Twenty edits of a three-layer stack, each settled before the next; counts those done by kind.
-fn session(seed: u64, done: &mut [usize; 7]) {
+fn session(seed: u64, foot: fn(&Drawn) -> Supports, done: &mut [usize; 7]) {
     let mut dice = Dice(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
     let mut drawn = uniform_stack(3, LAYER_MM, 52.8, SETTINGS.segment_mm);
     for step in 0..20 {
@@ -82,34 +100,75 @@ fn session(seed: u64, done: &mut [usize; 7]) {
             }
         };
         edited.ruffle.check().unwrap();
-        let supports = Supports { pinned: vec![edited.ruffle.foot[0]], upright: Vec::new() };
-        let mut solver = solver(&edited, &supports);
+        let mut solver = solver(&edited, &foot(&edited));
         let e = solver.solve(&edited.positions, &mut Quiet).unwrap_or_else(|error| panic!("{place}: {error}"));
         assert_eq!(e.self_intersections, 0, "{place}");
         assert_eq!(e.outcome, Outcome::Converged, "{place}: {} N left after {}", e.residual_n, e.iterations);
         assert!(e.max_strain < 1e-3, "{place}: strain {}", e.max_strain);
         done[kind] += 1;
         drawn = settled(edited, e);
+        let sheet_n = drawn.ruffle.strip_length() * WIDTH_MM * PAPER.weight_n_per_mm2();
+        assert!((weight_n(&drawn) / sheet_n - 1.0).abs() < 1e-9, "{place}: {} N", weight_n(&drawn));
     }
 }
 
-fn sessions(seeds: std::ops::Range<u64>) {
+fn sessions(seeds: std::ops::Range<u64>, foot: fn(&Drawn) -> Supports) {
     let mut done = [0; 7];
-    seeds.for_each(|seed| session(seed, &mut done));
-    for (kind, n) in KINDS.iter().zip(done) {
-        println!("{kind} {n}");
-    }
+    seeds.for_each(|seed| session(seed, foot, &mut done));
     for (kind, n) in KINDS.iter().zip(done) {
         assert!(n >= 10, "only {n} edits of kind {kind} went through");
     }
 }
 
 #[test]
-fn random_edits_settle_without_crossings_first_half() {
-    sessions(0..25);
+fn random_edits_of_a_pinned_stack_settle_without_crossings() {
+    sessions(0..25, |drawn| Supports { pinned: vec![drawn.ruffle.foot[0]], upright: Vec::new() });
 }
 
 #[test]
-fn random_edits_settle_without_crossings_second_half() {
-    sessions(25..50);
+fn random_edits_of_a_free_stack_settle_without_crossings() {
+    sessions(25..50, |drawn| Supports { pinned: Vec::new(), upright: vec![drawn.ruffle.foot[0]] });
+}
+
+/// Height of the strip's top rung under `load_n` spread over its nodes, mm: the mean of those nodes.
+fn height_mm(drawn: &Drawn, load_n: f64) -> f64 {
+    let ruffle = &drawn.ruffle;
+    let last = ruffle.sections.len() - 1;
+    // The top rung of the dense strip is two sections, of the others one.
+    let first = if ruffle.densified.made.is_empty() { last } else { last - 1 };
+    let rung = ruffle.sections[first].first_segment..=ruffle.sections[last].end_segment;
+    let nodes: Vec<Node> = rung.map(|k| ruffle.walk[k]).collect();
+    let each = V2::new(0.0, -load_n / nodes.len() as f64);
+    let mut solver = solver(drawn, &Supports { pinned: ruffle.foot.to_vec(), upright: Vec::new() });
+    solver.load(&nodes.iter().map(|n| (*n, each)).collect::<Vec<_>>()).unwrap();
+    let e = solver.solve(&drawn.positions, &mut Quiet).unwrap();
+    assert_eq!((e.outcome, e.self_intersections), (Outcome::Converged, 0), "{load_n} N: {} N left", e.residual_n);
+    assert!(e.max_strain < 1e-3, "strain {}", e.max_strain);
+    nodes.iter().map(|n| e.positions[n.index()].y).sum::<f64>() / nodes.len() as f64
+}
+
+#[test]
+fn the_load_test_strips_have_the_papers_lengths_and_the_dense_one_is_the_stiffest() {
+    // Without end tabs: 486, 749 and 797 mm in the paper, less 18.5.
+    for (strip, length_mm, within) in
+        [(Strip::Default, 468.35, 0.01), (Strip::Wide, 730.27, 0.01), (Strip::Dense, 778.5, 0.03 * 778.5)]
+    {
+        for segment_mm in [2.0, 3.0, 4.0] {
+            let drawn = load_test(strip, segment_mm).unwrap();
+            let length = drawn.ruffle.strip_length();
+            assert!((length - length_mm).abs() < within, "{}: {length}", strip.name());
+        }
+    }
+    let dense = load_test(Strip::Dense, 2.0).unwrap();
+    let count = |role| dense.ruffle.sections.iter().filter(|s| s.role == role).count();
+    assert_eq!((count(Role::Densified), dense.ruffle.connection_points().len()), (12, 13));
+    // The plate, and 200 g on it.
+    let load_n = (0.114 + 0.2) * 9.80665;
+    let compression = |strip| {
+        let drawn = load_test(strip, 2.0).unwrap();
+        1.0 - height_mm(&drawn, load_n) / height_mm(&drawn, 0.0)
+    };
+    let (default, dense) = (compression(Strip::Default), compression(Strip::Dense));
+    println!("{default} {dense}");
+    assert!((0.4..0.8).contains(&default) && (0.05..0.3).contains(&dense), "{default} and {dense}");
 }

@@ -11,17 +11,18 @@ const CUTS: [f64; 8] = [0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.05, 0.02];
 
 /// Puts back the section that densification `index` replaced, after everything that was densified inside it.
 pub(super) fn take_back(draft: &mut Draft, index: usize, segment_mm: f64) -> Result<(), EditError> {
-    let run = draft.made[index].sections();
-    // Inner ones come after, so `index` stays.
-    let inside = |draft: &Draft| {
-        let run = draft.made[index].sections();
-        let within = |j: &usize| draft.made[*j].first_section < run.end && draft.made[*j].end_section <= run.end;
-        (index + 1..draft.made.len()).find(within)
-    };
-    while let Some(inner) = inside(draft) {
-        take_back(draft, inner, segment_mm)?;
+    restore(draft, index, segment_mm)?;
+    drop_midpoints(draft, segment_mm)
+}
+
+/// The same, with the midpoints that nothing holds on to left where they are.
+fn restore(draft: &mut Draft, index: usize, segment_mm: f64) -> Result<(), EditError> {
+    // Those inside come after, so `index` stays.
+    while let Some(inner) = draft.made.get(index + 1).filter(|m| m.first_section < draft.made[index].end_section) {
+        debug_assert!(inner.end_section <= draft.made[index].end_section);
+        restore(draft, index + 1, segment_mm)?;
     }
-    let run = run.start..draft.made[index].end_section;
+    let run = draft.made[index].sections();
     let made = draft.made.remove(index);
     let (first, last) = (draft.parts[run.start].clone(), draft.parts[run.end - 1].clone());
     let curves = if first.to == last.from {
@@ -43,11 +44,8 @@ pub(super) fn take_back(draft: &mut Draft, index: usize, segment_mm: f64) -> Res
         draft
     });
     let clear = drafts.find(|d| tangle(d).is_none());
-    match clear {
-        Some(clear) => *draft = clear,
-        None => return Err(no_room(draft, run.start)),
-    }
-    drop_midpoints(draft, segment_mm)
+    *draft = clear.ok_or_else(|| no_room(draft, run.start))?;
+    Ok(())
 }
 
 /// Joins sections again where nothing holds on to the midpoint between them any more.
@@ -61,7 +59,7 @@ pub(super) fn drop_midpoints(draft: &mut Draft, segment_mm: f64) -> Result<(), E
             made.sections().contains(&low) != made.sections().contains(&(low + 1))
         };
         if let Some(index) = draft.made.iter().position(parted) {
-            take_back(draft, index, segment_mm)?;
+            restore(draft, index, segment_mm)?;
             continue;
         }
         draft.join_parts(low);
