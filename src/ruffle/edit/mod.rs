@@ -117,14 +117,16 @@ pub fn densify(drawn: &Drawn, section: usize, settings: &EditSettings) -> Result
 /// # Errors
 /// A section that densifying did not make, or no room to draw the old one.
 pub fn undensify(drawn: &Drawn, section: usize, settings: &EditSettings) -> Result<Drawn, EditError> {
-    let (mut draft, before) = open_at(drawn, section, settings)?;
+    let (mut draft, _) = open_at(drawn, section, settings)?;
     let around = (0..draft.made.len()).filter(|m| draft.made[*m].sections().contains(&section));
     let Some(index) = around.min_by_key(|m| draft.made[*m].sections().len()) else {
         return Err(EditError::NotDensified { section });
     };
     let first = draft.made[index].first_section;
     undensify::take_back(&mut draft, index, settings.segment_mm)?;
-    close(&draft, first.min(draft.parts.len() - 1), before, settings)
+    // What was there before may be as tight as it was.
+    let settings = EditSettings { limits: Limits::default(), ..*settings };
+    close(&draft, first.min(draft.parts.len() - 1), None, &settings)
 }
 
 /// Divides every segment of a section in two.
