@@ -6,7 +6,7 @@ use furbelow::ruffle::{
     Drawn, EditError, EditSettings, Limits, Node, Role, Strip, densify, insert_layer, layer_count, load_test,
     merge_segments, remove_layer, set_length, split_segments, undensify, uniform_stack,
 };
-use furbelow::sim::{Equilibrium, Material, Outcome, Settings, Solver, Supports};
+use furbelow::sim::{Contact, Equilibrium, Material, Outcome, Settings, Solver, Supports};
 
 const WIDTH_MM: f64 = 80.0;
 const PAPER: Material = Material {
@@ -74,7 +74,8 @@ fn edit(drawn: &Drawn, kind: usize, dice: &mut Dice) -> Result<Drawn, EditError>
 /// Weight of the strip as the solver sees it, N: what its energy gains when it is lifted.
 fn weight_n(drawn: &Drawn) -> f64 {
     const LIFT_MM: f64 = 1000.0;
-    let afloat = Settings { max_iterations: 0, contact: false, floor_mm: f64::NEG_INFINITY, ..Settings::default() };
+    let afloat =
+        Settings { max_iterations: 0, contact: Contact::None, floor_mm: f64::NEG_INFINITY, ..Settings::default() };
     let widths = vec![WIDTH_MM; drawn.ruffle.node_count];
     let energy = |lift_mm: f64| {
         let lifted: Vec<_> = drawn.positions.iter().map(|p| p + V2::new(0.0, lift_mm)).collect();

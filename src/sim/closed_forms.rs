@@ -36,7 +36,14 @@ fn solver(ruffle: &Ruffle, material: &Material, supports: &Supports, settings: &
 fn chain(walk: Vec<u32>, rest_lengths: Vec<f64>) -> Ruffle {
     let node_count = walk.iter().max().map_or(0, |last| *last as usize + 1);
     let sections = vec![Section { role: Role::Outer, first_segment: 0, end_segment: rest_lengths.len() }];
-    Ruffle { node_count, walk: walk.into_iter().map(Node).collect(), rest_lengths, sections, foot: [Node(0), Node(1)] }
+    Ruffle {
+        node_count,
+        walk: walk.into_iter().map(Node).collect(),
+        rest_lengths,
+        sections,
+        foot: [Node(0), Node(1)],
+        densified: Default::default(),
+    }
 }
 
 /// Converged, or the test has nothing to compare.

@@ -115,6 +115,7 @@ mod tests {
             rest_lengths: vec![10.0, 10.0, 10.0, 20.0],
             sections: vec![section(0, 1), section(1, 2), section(2, 4)],
             foot: [Node(0), Node(1)],
+            densified: Default::default(),
         })
     }
 

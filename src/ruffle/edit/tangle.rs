@@ -1,7 +1,7 @@
 //! Whether a drawing may start a solve: the strip does not meet itself except where it is connected.
 
 use super::draft::Draft;
-use crate::geom::{BoxGrid, P2, Rect, distance_to_segment, segments_cross};
+use crate::geom::{MotionTree, P2, Rect, distance_to_segment, segments_cross};
 
 /// Sheets nearer than this, mm, lie on each other: the order in which they lie is lost to rounding.
 const TOUCH_MM: f64 = 1e-6;
@@ -17,17 +17,14 @@ pub(super) fn tangle(draft: &Draft) -> Option<P2> {
         let nodes: Vec<usize> = nodes.collect();
         segments.extend(nodes.windows(2).map(|w| [w[0], w[1]]));
     }
-    let mut grid = BoxGrid::default();
-    let bounds = |s: &[usize; 2]| Rect::around([&x[s[0]], &x[s[1]]]).grown(TOUCH_MM);
-    grid.fill(segments.iter().map(bounds));
+    let mut boxes = MotionTree::default();
+    boxes.fill(segments.iter().map(|s| [Rect::around([&x[s[0]], &x[s[1]]]); 2]));
     let mut found = None;
-    for (k, s) in segments.iter().enumerate() {
-        grid.near(&bounds(s), |other| {
-            if other > k && found.is_none() && meet(&x, *s, segments[other]) {
-                found = Some(nalgebra::center(&x[s[0]], &x[s[1]]));
-            }
-        });
-    }
+    boxes.near(&boxes, TOUCH_MM, &mut |k, other| {
+        if other > k && found.is_none() && meet(&x, segments[k], segments[other]) {
+            found = Some(nalgebra::center(&x[segments[k][0]], &x[segments[k][1]]));
+        }
+    });
     found
 }
 

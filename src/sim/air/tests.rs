@@ -106,7 +106,14 @@ fn strip(x: &[P2]) -> Ruffle {
     let walk: Vec<Node> = (0..x.len() as u32).map(Node).collect();
     let rest_lengths: Vec<f64> = x.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
     let sections = vec![Section { role: Role::Outer, first_segment: 0, end_segment: rest_lengths.len() }];
-    Ruffle { node_count: x.len(), walk, rest_lengths, sections, foot: [Node(0), Node(1)] }
+    Ruffle {
+        node_count: x.len(),
+        walk,
+        rest_lengths,
+        sections,
+        foot: [Node(0), Node(1)],
+        densified: Default::default(),
+    }
 }
 
 #[test]
