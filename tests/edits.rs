@@ -43,7 +43,7 @@ impl Dice {
 
 const LAYER_MM: f64 = 30.0;
 const SETTINGS: EditSettings =
-    EditSettings { segment_mm: 3.0, limits: Limits { min_bend_radius_mm: 5.0, min_void_mm: 9.0 } };
+    EditSettings { segment_mm: 4.0, limits: Limits { min_bend_radius_mm: 5.0, min_void_mm: 9.0 } };
 const KINDS: [&str; 7] = ["length", "densify", "undensify", "split", "merge", "insert", "remove"];
 
 /// A random edit of kind `kind`.

@@ -14,11 +14,12 @@ pub(super) const REACH_MM: f64 = 0.3;
 /// Sheets part from a connection at least as fast as two circles of this radius, mm: flatter than any loop that gets folded.
 const FLATTEST_MM: f64 = 100.0;
 /// Stiffness of the barrier against that of the sheet: kappa = D w / R² times this, with the radius of a typical loop. A force of 12 kappa leaves a tenth of the
-/// reach.
-const BENDING_SHARE: f64 = 0.1;
+/// reach. Sheets pressed with tens of newtons keep a good part of it: with a thirtieth of this they come so close that the least turn of one lets it touch, and one
+/// press in ten jams there.
+const BENDING_SHARE: f64 = 3.0;
 const TYPICAL_RADIUS_MM: f64 = 15.0;
 /// And against the strip's weight: a sheet too soft to stand lies down, and then a few nodes carry all of it.
-const WEIGHT_SHARE: f64 = 0.1;
+const WEIGHT_SHARE: f64 = 3.0;
 /// A step ends at this share of the way to the first touch.
 const BEFORE_TOUCH: f64 = 0.9;
 /// Pairs are collected for this much more motion than was asked for, mm: near rest the steps are shorter, and the same pairs serve many of them.
@@ -158,7 +159,10 @@ impl Contacts {
         nodes.near(&segments, outer, &mut |node, s| {
             let ends = self.segments[s];
             if ends[0] != node && ends[1] != node {
-                pairs.push(Pair { node, ends, gap: self.gap(node, ends), kappa_n: self.kappa_n[node] });
+                let gap = self.gap(node, ends);
+                // Closing a short reach takes as much energy as closing a long one.
+                let kappa_n = self.kappa_n[node] * REACH_MM / gap.reach_mm;
+                pairs.push(Pair { node, ends, gap, kappa_n });
             }
         });
         self.trees = [nodes, segments];

@@ -20,6 +20,7 @@ mod plate;
 #[cfg(test)]
 mod press_tests;
 mod settings;
+mod solver;
 mod stretch;
 #[cfg(test)]
 mod tests;
@@ -29,8 +30,8 @@ mod walk;
 
 pub use crossings::find_crossings;
 pub use ldl::{Factorisation, LdlT, Pattern};
-pub use newton::Solver;
 pub use settings::{Contact, Error, Settings, StripPlace, Supports};
+pub use solver::Solver;
 
 use crate::geom::P2;
 use serde::Serialize;

@@ -228,10 +228,10 @@ fn a_stack_pressed_flat_is_as_high_as_with_the_barrier() {
     let (air, barrier) = (pressed(Contact::AirMesh), pressed(Contact::Barrier));
     for (k, (air, barrier)) in air.iter().zip(&barrier).enumerate() {
         let share = height(air) / height(barrier);
-        assert!((share - 1.0).abs() < 0.04, "load {k}: {share} of the height with the barrier");
-        // Sheets 0.19 mm thick, five of them on each other, lie higher than sheets without thickness.
+        assert!((share - 1.0).abs() < 0.05, "load {k}: {share} of the height with the barrier");
+        // Five sheets on each other, each 0.19 mm thick and kept 0.3 mm from the next, lie higher than sheets without either.
         let lower = middle(barrier) - middle(air);
-        assert!((-0.1..2.0).contains(&lower), "load {k}: {lower} mm lower than with the barrier");
+        assert!((-0.1..2.5).contains(&lower), "load {k}: {lower} mm lower than with the barrier");
     }
     let bare = pressed(Contact::None);
     let heights: Vec<[f64; 2]> = bare.iter().zip(&air).map(|(bare, air)| [bare, air].map(middle)).collect();
