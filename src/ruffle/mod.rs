@@ -5,6 +5,7 @@
 
 mod check;
 mod chords;
+mod coarser;
 mod curve;
 mod densified;
 mod edit;
@@ -14,6 +15,7 @@ mod packed;
 mod stack;
 
 pub use check::Flaw;
+pub use coarser::Coarser;
 pub use densified::{Densification, Densified};
 pub use edit::{
     EditError, EditSettings, Limits, densify, insert_layer, layer_count, merge_segments, remove_layer, set_length,

@@ -15,6 +15,7 @@ mod crossings;
 mod hinge;
 mod ldl;
 mod model;
+mod nested;
 mod newton;
 mod plate;
 #[cfg(test)]
@@ -22,6 +23,7 @@ mod press_tests;
 mod settings;
 mod solver;
 mod stretch;
+mod tangent;
 #[cfg(test)]
 mod tests;
 mod turn;

@@ -6,23 +6,25 @@ use crate::ruffle::Ruffle;
 
 /// Two segments that bend against each other at a node.
 #[derive(Debug, Clone, Copy)]
-struct Hinge {
-    nodes: [usize; 3],
-    segments: [usize; 2],
+pub(super) struct Hinge {
+    pub nodes: [usize; 3],
+    pub segments: [usize; 2],
 }
 
 /// Energy terms of one ruffle. Unknown 2 i is the u of node i, unknown 2 i + 1 its v.
 #[derive(Debug, Clone)]
 pub(super) struct Model {
-    segments: Vec<[usize; 2]>,
-    hinges: Vec<Hinge>,
-    rest_mm: Vec<f64>,
+    pub(super) segments: Vec<[usize; 2]>,
+    pub(super) hinges: Vec<Hinge>,
+    pub(super) rest_mm: Vec<f64>,
     /// Stretching stiffness of each segment, N/mm.
-    stretch_n_per_mm: Vec<f64>,
+    pub(super) stretch_n_per_mm: Vec<f64>,
     /// Bending stiffness of each hinge, N mm.
-    bend_n_mm: Vec<f64>,
+    pub(super) bend_n_mm: Vec<f64>,
     /// Weight carried by each node, N.
     weight_n: Vec<f64>,
+    /// Weight of each segment, N/mm of its rest length.
+    pub(super) weight_n_per_mm: Vec<f64>,
     /// Other force on each node, N.
     load_n: Vec<V2>,
     /// Slots of each segment's 4 x 4 and each hinge's 6 x 6 block, upper triangles by rows.
@@ -44,6 +46,7 @@ impl Model {
             bend_n_mm: vec![0.0; hinges.len()],
             moment_n_mm: vec![0.0; hinges.len()],
             weight_n: vec![0.0; ruffle.node_count],
+            weight_n_per_mm: vec![0.0; segments.len()],
             load_n: vec![V2::zeros(); ruffle.node_count],
             segments,
             hinges,
@@ -81,7 +84,8 @@ impl Model {
             let rest = rest_lengths_mm[k];
             let width = 0.5 * (widths_mm[i] + widths_mm[j]);
             self.stretch_n_per_mm[k] = material.membrane_stiffness_n_per_mm * width / rest;
-            let half = 0.5 * rest * width * material.weight_n_per_mm2();
+            self.weight_n_per_mm[k] = width * material.weight_n_per_mm2();
+            let half = 0.5 * rest * self.weight_n_per_mm[k];
             self.weight_n[i] += half;
             self.weight_n[j] += half;
         }
@@ -108,6 +112,16 @@ impl Model {
         for (node, force) in loads_n {
             self.load_n[node] = force;
         }
+    }
+
+    /// Adds to the force on a node, N.
+    pub fn add_load(&mut self, node: usize, load_n: V2) {
+        self.load_n[node] += load_n;
+    }
+
+    /// Forces on the nodes besides their weight, N.
+    pub fn loads_n(&self) -> &[V2] {
+        &self.load_n
     }
 
     /// Total energy, N mm.

@@ -168,7 +168,7 @@ impl System {
         let mut convex = !std::mem::replace(&mut self.exact, true);
         let mut damping = self.damping_n_per_mm;
         for attempt in 1..=MAX_ATTEMPTS {
-            let Some(room) = self.newton_direction(x, convex, damping) else {
+            let Some(room) = self.newton_direction(x, convex, damping).then(|| self.limit(x)) else {
                 if convex {
                     damping = (MORE_DAMPING * damping).max(fall_n_per_mm);
                 } else {
@@ -196,9 +196,8 @@ impl System {
         None
     }
 
-    /// Works out the direction of a step from `x`; returns how many times its length it may be followed at most, or nothing when the Hessian is not positive
-    /// definite.
-    fn newton_direction(&mut self, x: &[P2], convex: bool, damping_n_per_mm: f64) -> Option<f64> {
+    /// Works out the direction of a step from `x`; false when the Hessian is not positive definite.
+    fn newton_direction(&mut self, x: &[P2], convex: bool, damping_n_per_mm: f64) -> bool {
         let Scratch { gradient, direction, hessian, fixed, .. } = &mut self.scratch;
         self.model.hessian(x, convex, hessian);
         self.contacts.add_hessian(x, convex, self.factorisation.pattern(), hessian);
@@ -206,15 +205,18 @@ impl System {
         self.factorisation.pattern().damp(hessian, damping_n_per_mm);
         self.factorisation.pattern().fix(hessian, fixed);
         if !self.factorisation.factor(hessian) {
-            return None;
+            return false;
         }
         for (unknown, d) in direction.iter_mut().enumerate() {
             *d = if fixed[unknown] { 0.0 } else { -gradient[unknown] };
         }
         self.factorisation.solve(direction);
-        if !self.plate.follow(x, fixed, &mut self.factorisation, direction) {
-            return None;
-        }
+        self.plate.follow(x, fixed, &mut self.factorisation, direction) && direction.iter().all(|d| d.is_finite())
+    }
+
+    /// Shortens the direction to what a step from `x` may be; returns how many times its length it may be followed at most.
+    fn limit(&mut self, x: &[P2]) -> f64 {
+        let Scratch { direction, fixed, .. } = &mut self.scratch;
         let farthest = direction.chunks_exact(2).map(|d| d[0].hypot(d[1])).fold(0.0, f64::max);
         let by = |i: usize| V2::new(direction[2 * i], direction[2 * i + 1]);
         let most_turned =
@@ -224,7 +226,27 @@ impl System {
             direction.iter_mut().for_each(|d| *d *= room);
         }
         self.turner.prepare(self.model.stretch_n_per_mm(), fixed);
-        farthest.is_finite().then_some(room.max(1.0))
+        room.max(1.0)
+    }
+
+    /// How the state of rest `x` answers a change of its gradient (N per unknown): minus the inverse of the exact Hessian, mm per unknown. Nothing where that is not
+    /// positive definite.
+    pub fn response(&mut self, x: &[P2], change: &[f64]) -> Result<Option<Vec<f64>>, Error> {
+        self.make_room(x)?;
+        self.balance(x);
+        self.scratch.gradient.copy_from_slice(change);
+        Ok(self.newton_direction(x, false, 0.0).then(|| self.scratch.direction.clone()))
+    }
+
+    /// Follows `moves` (mm per node) from `x`, turning instead of stretching, and through nothing.
+    pub fn walk_along(&mut self, x: &[P2], moves: &[V2]) -> Vec<P2> {
+        self.balance(x);
+        for (d, m) in self.scratch.direction.chunks_exact_mut(2).zip(moves) {
+            d.copy_from_slice(&[m.x, m.y]);
+        }
+        self.limit(x);
+        self.follow(x, 1.0);
+        self.scratch.trial.clone()
     }
 
     /// Curvature of the energy along the direction, as the last Hessian has it, N/mm.

@@ -58,6 +58,11 @@ impl Plate {
         self.load_n = load_n;
     }
 
+    /// What the plate weighs, N, if there is one.
+    pub fn load_n(&self) -> Option<f64> {
+        self.load_n
+    }
+
     /// Height of the plate's underside above nodes at `x`, mm: where the barrier's force is the load. One that weighs nothing touches the highest node without
     /// force.
     pub fn height_mm(&self, x: &[P2]) -> Option<f64> {

@@ -11,9 +11,12 @@ use crate::ruffle::{Node, Ruffle};
 /// Finds the equilibrium of one ruffle, again and again as its lengths, widths and loads change.
 #[derive(Debug, Clone)]
 pub struct Solver {
-    system: System,
+    pub(super) system: System,
     walk: Walk,
-    material: Material,
+    pub(super) ruffle: Ruffle,
+    pub(super) widths_mm: Vec<f64>,
+    pub(super) material: Material,
+    pub(super) supports: Supports,
     /// Whether a solve has been made, so that the next starts near rest.
     warm: bool,
 }
@@ -46,7 +49,15 @@ impl Solver {
             held[2 * node.index()] = true;
         }
         let system = System::new(ruffle, held, settings)?;
-        let mut solver = Solver { system, walk: Walk::new(ruffle), material: *material, warm: false };
+        let mut solver = Solver {
+            system,
+            walk: Walk::new(ruffle),
+            ruffle: ruffle.clone(),
+            widths_mm: widths_mm.to_vec(),
+            material: *material,
+            supports: supports.clone(),
+            warm: false,
+        };
         solver.measure(ruffle, widths_mm)?;
         Ok(solver)
     }
@@ -71,6 +82,21 @@ impl Solver {
         self.walk.measure(&ruffle.rest_lengths);
         self.system.contacts.measure(&ruffle.rest_lengths, widths_mm, &self.material, weight_n);
         self.system.plate.measure(widths_mm, &self.material, weight_n);
+        self.ruffle.rest_lengths.copy_from_slice(&ruffle.rest_lengths);
+        self.widths_mm.copy_from_slice(widths_mm);
+        Ok(())
+    }
+
+    /// Takes a ruffle of another topology, after an edit, with its widths and supports. The next solve starts near rest, from the positions the edit gave. A plate
+    /// stays; loads on nodes go, because the nodes have other numbers now.
+    ///
+    /// # Errors
+    /// As [`Solver::new`]; the solver then stays as it was.
+    pub fn change(&mut self, ruffle: &Ruffle, widths_mm: &[f64], supports: &Supports) -> Result<(), Error> {
+        let mut changed = Solver::new(ruffle, widths_mm, &self.material, supports, &self.system.settings)?;
+        changed.press(self.system.plate.load_n())?;
+        changed.warm = self.warm;
+        *self = changed;
         Ok(())
     }
 
@@ -122,10 +148,10 @@ impl Solver {
         let untangled = self.enter(&mut x)?;
         let mut iterations = 0;
         if !std::mem::replace(&mut self.warm, true) || untangled {
-            self.system.model.set_stretch_share(SOFT_SHARE);
-            let tolerance_n = self.system.settings.residual_n.max(self.system.model.weight_n() / x.len() as f64);
-            self.system.settle(&mut x, tolerance_n, &mut iterations, observer)?;
-            self.system.model.set_stretch_share(1.0);
+            match self.nested_start(&x, &mut iterations, observer)? {
+                Some(near_rest) => x = near_rest,
+                None => self.soften(&mut x, &mut iterations, observer)?,
+            }
         }
         if untangled {
             // Sheets laid close to each other have parted, and now keep their full distance.
@@ -142,6 +168,16 @@ impl Solver {
             self_intersections: find_crossings(self.system.model.segments(), &x).len(),
             positions: x,
         })
+    }
+
+    /// Lets the strip settle roughly with a soft membrane.
+    fn soften(&mut self, x: &mut Vec<P2>, iterations: &mut usize, observer: &mut dyn Observer) -> Result<(), Error> {
+        let system = &mut self.system;
+        let tolerance_n = system.settings.residual_n.max(system.model.weight_n() / x.len() as f64);
+        system.model.set_stretch_share(SOFT_SHARE);
+        system.settle(x, tolerance_n, iterations, observer)?;
+        system.model.set_stretch_share(1.0);
+        Ok(())
     }
 
     fn check_start(&self, start: &[P2]) -> Result<(), Error> {
@@ -171,7 +207,7 @@ impl Solver {
     }
 
     /// Refuses a state that the contact terms can make nothing of.
-    fn admit(&mut self, x: &[P2]) -> Result<(), Error> {
+    pub(super) fn admit(&mut self, x: &[P2]) -> Result<(), Error> {
         let System { contacts, model, .. } = &mut self.system;
         if contacts.admit(model.segments(), x) { Ok(()) } else { Err(self.walk.crossed(x)) }
     }

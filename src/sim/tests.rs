@@ -198,3 +198,23 @@ fn a_sheet_dropped_from_far_above_its_reach_lands_on_the_one_below() {
         assert!(p.y > 10.0 || p.x < 0.0, "{p} lies below the sheet at 10 mm");
     }
 }
+
+#[test]
+fn a_changed_ruffle_is_solved_warm_with_its_plate() {
+    let drawn = square_stack();
+    let widths = |drawn: &Drawn| vec![60.0; drawn.ruffle.node_count];
+    let supports = |drawn: &Drawn| Supports { pinned: drawn.ruffle.foot.to_vec(), upright: Vec::new() };
+    let mut solver =
+        Solver::new(&drawn.ruffle, &widths(&drawn), &paper(2.1), &supports(&drawn), &Settings::default()).unwrap();
+    solver.press(Some(0.3)).unwrap();
+    let before = solver.solve(&drawn.positions, &mut Quiet).unwrap();
+    let settings = crate::ruffle::EditSettings { segment_mm: 3.0, limits: Default::default() };
+    let settled = Drawn { ruffle: drawn.ruffle.clone(), positions: before.positions.clone() };
+    let denser = crate::ruffle::densify(&settled, 3, &settings).unwrap();
+    let refused = solver.change(&denser.ruffle, &[60.0; 3], &supports(&denser));
+    assert!(matches!(refused, Err(Error::Count { .. })) && solver.residual_n(&before.positions).unwrap() <= 1e-6);
+    solver.change(&denser.ruffle, &widths(&denser), &supports(&denser)).unwrap();
+    let after = solver.solve(&denser.positions, &mut Quiet).unwrap();
+    assert_eq!((after.outcome, after.self_intersections), (Outcome::Converged, 0));
+    assert!(after.plate_mm.unwrap() > before.plate_mm.unwrap(), "stiffer here");
+}
