@@ -4,8 +4,8 @@
 //! whose circle through the rounded start stays nearest to the true arc. Where none is near enough (one or two arcs in a hundred) the arc is halved,
 //! which rounds anew. An arc too short, too flat or too large to survive rounding is written as chords.
 
+use super::arc_words::refuses_arc;
 use super::program::round3;
-use super::trace::refuses_arc;
 use crate::geom::{P2, Segment, V2};
 
 /// Shortest chord of an arc: below it the rounded ends (0.7 um off each) could change places, and GRBL would burn a full circle.

@@ -8,13 +8,17 @@
 //! [`trace`] is the only interpreter of G-code in the house; whoever wants to know what a program does reads its [`Move`]s.
 //! The dialect is that of GRBL 1.1 (<https://github.com/gnea/grbl/wiki>) in laser mode.
 
+mod arc_words;
 mod arcs;
 mod check;
 mod emit;
+mod feeder;
 mod moves;
 mod parse;
 mod planner;
+mod problem;
 mod program;
+mod timing;
 mod trace;
 mod words;
 mod writer;
@@ -23,6 +27,8 @@ pub use check::{CheckSettings, Finding, check};
 pub use emit::{AirWords, Dialect, Error, Header, emit};
 pub use moves::{Action, Beam, Move};
 pub use parse::{ParseError, parse};
-pub use planner::{Limits, Timing, estimate};
+pub use planner::{Held, Limits, Planner, Stretch};
 pub use program::{Line, Program, Word};
-pub use trace::{TraceError, TraceProblem, trace};
+pub use problem::{TraceError, TraceProblem};
+pub use timing::{Speeds, Timing, estimate};
+pub use trace::trace;

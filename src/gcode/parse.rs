@@ -29,40 +29,123 @@ pub fn parse(text: &str) -> Result<Program, ParseError> {
     Ok(Program { lines: lines.collect::<Result<_, _>>()? })
 }
 
-fn parse_line(text: &str, number: usize) -> Result<Line, ParseError> {
+/// Reads one line, without its line feed, as [`parse`] does; `number` is its place in the file, from 1.
+///
+/// # Errors
+/// As for [`parse`].
+pub fn parse_line(text: &str, number: usize) -> Result<Line, ParseError> {
     let mut line = Line::default();
-    let mut chars = text.chars().enumerate().peekable();
-    // Start column and text of the number being read, after its letter.
-    let mut open: Option<(usize, char, String)> = None;
-    let fail = |column: usize, problem, found: String| ParseError { line: number, column: column + 1, problem, found };
-    while let Some((column, c)) = chars.next() {
-        match c {
-            ';' => {
-                let rest: String = chars.by_ref().map(|(_, c)| c).collect();
-                add_comment(&mut line, rest.strip_prefix(' ').unwrap_or(&rest));
+    let mut digits = String::new();
+    let mut tokens = Tokens { text, at: 0 };
+    let fail = |at: usize, problem, found: &str| ParseError {
+        line: number,
+        column: column(text, at),
+        problem,
+        found: found.escape_debug().to_string(),
+    };
+    while let Some((at, token)) = tokens.next() {
+        match token {
+            Token::Comment(words) => add_comment(&mut line, words),
+            Token::Letter(letter) => {
+                let value = tokens.number(&mut digits, &mut line);
+                let value = value.ok_or_else(|| fail(at, NO_NUMBER, &format!("{letter}{digits}")))?;
+                line.words.push(Word { letter, value: value + 0.0 });
             }
-            '(' => {
-                let inside: String = chars.by_ref().map(|(_, c)| c).take_while(|c| *c != ')').collect();
-                add_comment(&mut line, inside.trim());
-            }
-            '/' => {}
-            c if c.is_ascii_whitespace() || c.is_ascii_control() => {}
-            c if c.is_ascii_alphabetic() => {
-                close(&mut line, open.take()).map_err(|(at, found)| fail(at, NO_NUMBER, found))?;
-                open = Some((column, c.to_ascii_uppercase(), String::new()));
-            }
-            '0'..='9' | '.' | '-' | '+' => match &mut open {
-                Some((_, _, digits)) => digits.push(c),
-                None => return Err(fail(column, NO_LETTER, format!("{c:?}"))),
-            },
-            other => {
-                let problem = if open.as_ref().is_some_and(|(_, _, d)| d.is_empty()) { NO_NUMBER } else { NO_LETTER };
-                return Err(fail(column, problem, format!("{other:?}")));
-            }
+            Token::Other(found) => return Err(fail(at, NO_LETTER, &found.to_string())),
         }
     }
-    close(&mut line, open).map_err(|(at, found)| fail(at, NO_NUMBER, found))?;
     Ok(line)
+}
+
+/// Column, from 1 and in characters, at which a line's word number `word` (from 0) begins; 1 when there is none.
+pub(super) fn column_of_word(text: &str, word: usize) -> usize {
+    let mut tokens = Tokens { text, at: 0 };
+    let letters = std::iter::from_fn(|| tokens.next()).filter(|(_, token)| matches!(token, Token::Letter(_)));
+    letters.map(|(at, _)| at).nth(word).map_or(1, |at| column(text, at))
+}
+
+/// Column, from 1 and in characters, of a byte of a line.
+fn column(text: &str, at: usize) -> usize {
+    text[..at].chars().count() + 1
+}
+
+enum Token<'a> {
+    Letter(char),
+    Comment(&'a str),
+    Other(char),
+}
+
+/// Walks through a line; `at` is a byte between characters.
+struct Tokens<'a> {
+    text: &'a str,
+    at: usize,
+}
+
+impl<'a> Tokens<'a> {
+    /// The next thing that is no blank, and where it begins.
+    fn next(&mut self) -> Option<(usize, Token<'a>)> {
+        while let Some(c) = self.text[self.at..].chars().next() {
+            let at = self.at;
+            self.at += c.len_utf8();
+            let token = match c {
+                ';' => {
+                    let rest = &self.text[self.at..];
+                    self.at = self.text.len();
+                    Token::Comment(rest.strip_prefix(' ').unwrap_or(rest))
+                }
+                '(' => {
+                    let rest = &self.text[self.at..];
+                    let inside = rest.split(')').next().unwrap_or(rest);
+                    self.at = (self.at + inside.len() + 1).min(self.text.len());
+                    Token::Comment(inside.trim())
+                }
+                c if is_blank(c) => continue,
+                c if c.is_ascii_alphabetic() => Token::Letter(c.to_ascii_uppercase()),
+                c => Token::Other(c),
+            };
+            return Some((at, token));
+        }
+        None
+    }
+
+    /// The number that follows a letter; on failure `digits` holds what stands there. Blanks and comments may interrupt it; comments go
+    /// to `line`.
+    fn number(&mut self, digits: &mut String, line: &mut Line) -> Option<f64> {
+        let bytes = self.text.as_bytes();
+        let digit = |at: usize| bytes.get(at).is_some_and(|b| matches!(b, b'0'..=b'9' | b'.' | b'-' | b'+'));
+        digits.clear();
+        let begin = self.at;
+        loop {
+            let end = (self.at..).find(|at| !digit(*at)).unwrap_or(self.at);
+            digits.push_str(&self.text[self.at..end]);
+            self.at = end;
+            let mut ahead = Tokens { text: self.text, at: end };
+            while bytes.get(ahead.at).is_some_and(|b| is_blank(char::from(*b))) {
+                ahead.at += 1;
+            }
+            if bytes.get(ahead.at) == Some(&b'(')
+                && let Some((_, Token::Comment(words))) = ahead.next()
+            {
+                add_comment(line, words);
+                self.at = ahead.at;
+            } else if ahead.at > end && digit(ahead.at) {
+                self.at = ahead.at;
+            } else {
+                break;
+            }
+        }
+        let unsigned = digits.strip_prefix(['-', '+']).unwrap_or(digits);
+        let plain = !unsigned.contains(['-', '+']) && unsigned.contains(|c: char| c.is_ascii_digit());
+        if digits.is_empty() {
+            digits.extend(self.text[begin..].chars().find(|c| !is_blank(*c)));
+        }
+        digits.parse().ok().filter(|value: &f64| plain && value.is_finite())
+    }
+}
+
+/// What GRBL drops from a line before it reads it: blanks, control characters and the block delete sign.
+fn is_blank(c: char) -> bool {
+    c == '/' || c.is_ascii_whitespace() || c.is_ascii_control()
 }
 
 fn add_comment(line: &mut Line, text: &str) {
@@ -72,20 +155,6 @@ fn add_comment(line: &mut Line, text: &str) {
             comment.push_str(text);
         }
         None => line.comment = Some(text.to_string()),
-    }
-}
-
-/// Finishes a word; on failure says where it began and what it was.
-fn close(line: &mut Line, open: Option<(usize, char, String)>) -> Result<(), (usize, String)> {
-    let Some((column, letter, digits)) = open else { return Ok(()) };
-    let unsigned = digits.strip_prefix(['-', '+']).unwrap_or(&digits);
-    let plain = !unsigned.contains(['-', '+']) && unsigned.contains(|c: char| c.is_ascii_digit());
-    match digits.parse::<f64>() {
-        Ok(value) if plain && value.is_finite() => {
-            line.words.push(Word { letter, value: value + 0.0 });
-            Ok(())
-        }
-        _ => Err((column, format!("\"{letter}{digits}\""))),
     }
 }
 
@@ -102,7 +171,7 @@ mod tests {
     fn foreign_spelling_is_read_as_grbl_reads_it() {
         let expected = vec![('G', 1.0), ('X', 10.0), ('Y', -0.5), ('F', 1200.0)];
         for text in
-            ["G1X10Y-.5F1200", "g01 x10. y-0.50 f1200", "/G1 X1 0 (half\tway) Y-.5F1200 ; end", "G1X+10Y-.5F1200\r"]
+            ["G1X10Y-.5F1200", "g01 x10. y-0.50 f1200", "/G1 X1 0 (half\tway) Y-.5F1200 ; end", "G1X1(a)(b)0Y-.5F1200", "G1X+10Y-.5F1200\r"]
         {
             assert_eq!(words(text), expected, "{text}");
         }
@@ -127,7 +196,7 @@ mod tests {
             ("G1X1-2", 1, 3, "error:2"),
             ("G1X1.2.3", 1, 3, "error:2"),
             ("G1X", 1, 3, "error:2"),
-            ("G1X#1", 1, 4, "error:2"),
+            ("G1X#1", 1, 3, "error:2"),
             ("G1X1ä", 1, 5, "error:1"),
             ("X.", 1, 1, "error:2"),
             ("X--1", 1, 1, "error:2"),

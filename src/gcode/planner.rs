@@ -2,16 +2,20 @@
 //!
 //! Rules of GRBL's planner.c, motion_control.c and gcode.c: rates and accelerations limited per axis, corner speeds by junction deviation,
 //! trapezoids, arcs cut into chords, a look-ahead of a fixed number of blocks at whose end the machine must be able to stand still, and a stop
-//! for every change of laser mode or air.
+//! for every change of laser mode or air. A block is planned only once its line has arrived and been read ([`Feeder`]).
 
+use std::collections::VecDeque;
+
+use super::arc_words::chord_count;
+use super::feeder::{Arrival, Feeder};
 use super::{Action, Move};
 use crate::geom::{P3, V3};
 
-/// A change of laser mode or air costs about this much beyond coming to rest, s (measured on unmodified GRBL 1.1h on an ATmega328p).
-const STOP_S: f64 = 0.005;
-
 /// Cosines beyond this count as straight on or straight back (planner.c).
 const STRAIGHT_COSINE: f64 = 0.999_999;
+
+/// GRBL runs no feed slower than this (MINIMUM_FEED_RATE), mm/min.
+const MIN_FEED_MM_PER_MIN: f64 = 1.0;
 
 /// What the controller can do; axes are x, y, z. All above 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,41 +30,60 @@ pub struct Limits {
     pub arc_tolerance_mm: f64,
     /// Blocks the planner looks ahead: 15 on an ATmega328p.
     pub planner_blocks: usize,
+    /// Bytes the link carries: a tenth of the baud rate.
+    pub bytes_per_s: f64,
+    /// Bytes of the controller's receive buffer, kept full by counting characters.
+    pub rx_bytes: usize,
+    /// Time the controller needs to read and plan a line with a motion, s.
+    pub line_s: f64,
 }
 
-/// How long a program takes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Timing {
-    /// Time of each move, s, by index.
-    pub move_s: Vec<f64>,
-    /// Their sum, s.
-    pub total_s: f64,
+/// What keeps a cut slower than its feed, its corners and the axes would allow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Held {
+    /// Lines do not arrive fast enough.
+    Link,
+    /// The controller cannot read lines fast enough.
+    Controller,
+    /// The moves are too short: the planner must be able to stop within those it sees.
+    LookAhead,
 }
 
-/// Time of every move, from rest to rest, when lines arrive as fast as the planner takes them.
-pub fn estimate(moves: &[Move], limits: &Limits) -> Timing {
-    let mut planner = Planner { limits, queue: Vec::new(), move_s: vec![0.0; moves.len()] };
-    for (index, m) in moves.iter().enumerate() {
-        match m.action {
-            Action::Rapid => planner.add(index, m.from, m.to, f64::INFINITY),
-            Action::Line => planner.add(index, m.from, m.to, m.feed_mm_per_min),
-            Action::Arc { .. } => planner.add_arc(index, m),
-            Action::Dwell { seconds } => {
-                planner.run();
-                planner.move_s[index] += seconds;
-            }
-            Action::Stop => {
-                planner.run();
-                planner.move_s[index] += STOP_S;
-            }
+/// What the machine does in one go: a straight block (a line or one chord of an arc), or a rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stretch {
+    /// Which move it belongs to, counted from 0 in the order pushed.
+    pub index: usize,
+    /// How long it takes, s, with the wait before it.
+    pub seconds: f64,
+    /// Its length, mm.
+    pub length_mm: f64,
+    /// Speed at its start, mm/s.
+    pub entry_mm_per_s: f64,
+    /// Greatest speed along it, mm/s.
+    pub cruise_mm_per_s: f64,
+    /// Speed at its end, mm/s.
+    pub exit_mm_per_s: f64,
+    /// Acceleration between these, mm/s2.
+    pub acceleration_mm_per_s2: f64,
+    /// What keeps its end slow, if that is neither feed nor corner.
+    pub held: Option<Held>,
+}
+
+impl Stretch {
+    /// How much of its length is run slower than a speed, mm.
+    pub fn slower_than_mm(&self, speed_mm_per_s: f64) -> f64 {
+        if self.cruise_mm_per_s < speed_mm_per_s {
+            return self.length_mm;
         }
+        let ramp = |end: f64| (speed_mm_per_s * speed_mm_per_s - end * end).max(0.0) / (2.0 * self.acceleration_mm_per_s2);
+        (ramp(self.entry_mm_per_s) + ramp(self.exit_mm_per_s)).min(self.length_mm)
     }
-    planner.run();
-    let total_s = planner.move_s.iter().sum();
-    Timing { move_s: planner.move_s, total_s }
 }
 
-/// A straight stretch; speeds in mm/s.
+/// A straight block waiting to be run; speeds in mm/s.
+#[derive(Debug, Clone, Copy)]
 struct Block {
     index: usize,
     direction: V3,
@@ -69,48 +92,141 @@ struct Block {
     acceleration: f64,
     /// Square of the fastest speed at its start that corner and rates allow.
     max_entry_squared: f64,
+    arrival: Arrival,
 }
 
-struct Planner<'a> {
-    limits: &'a Limits,
-    queue: Vec<Block>,
-    move_s: Vec<f64>,
+/// Plans moves one by one in bounded memory: holds as many blocks as the controller does.
+#[derive(Debug)]
+pub struct Planner {
+    limits: Limits,
+    feeder: Feeder,
+    queue: VecDeque<Block>,
+    /// When the last blocks were done with, one for each place in the controller's buffer.
+    done_s: VecDeque<f64>,
+    /// Direction and nominal speed of the block queued last, unless the machine rests after it.
+    last: Option<(V3, f64)>,
+    clock_s: f64,
+    entry_squared: f64,
+    resting: bool,
+    /// A rest that lasts until the next block starts: its move and when it began.
+    rest: Option<(usize, f64)>,
+    moved: bool,
+    line: usize,
+    pushed: usize,
 }
 
-impl Planner<'_> {
-    fn add(&mut self, index: usize, from: P3, to: P3, feed_mm_per_min: f64) {
+impl Planner {
+    /// A machine at rest with empty buffers.
+    pub fn new(limits: &Limits) -> Planner {
+        Planner {
+            limits: *limits,
+            feeder: Feeder::new(limits),
+            queue: VecDeque::new(),
+            done_s: VecDeque::new(),
+            last: None,
+            clock_s: 0.0,
+            entry_squared: 0.0,
+            resting: true,
+            rest: None,
+            moved: false,
+            line: 0,
+            pushed: 0,
+        }
+    }
+
+    /// Takes the next move; what is settled by it goes to `sink`, in order.
+    pub fn push(&mut self, m: &Move, sink: &mut impl FnMut(Stretch)) {
+        let index = self.pushed;
+        self.pushed += 1;
+        let stands = matches!(m.action, Action::Stop | Action::Dwell { .. });
+        if m.line != self.line {
+            self.line = m.line;
+            self.feeder.receive(m.bytes, !stands);
+        }
+        match m.action {
+            Action::Rapid => self.add(index, m.from, m.to, f64::INFINITY, sink),
+            Action::Line => self.add(index, m.from, m.to, m.feed_mm_per_min, sink),
+            Action::Arc { radius_mm, sweep_rad, .. } => {
+                let chords = chord_count(radius_mm, sweep_rad, self.limits.arc_tolerance_mm);
+                let mut from = m.from;
+                for k in 1..=chords as u64 {
+                    let t = k as f64 / chords;
+                    let to = if t >= 1.0 { m.to } else { m.point_at(t) };
+                    self.add(index, from, to, m.feed_mm_per_min, sink);
+                    from = to;
+                }
+            }
+            Action::Stop => self.stand(index, 0.0, sink),
+            Action::Dwell { seconds } => self.stand(index, seconds, sink),
+        }
+    }
+
+    /// Runs what is queued to its end, at rest.
+    pub fn finish(&mut self, sink: &mut impl FnMut(Stretch)) {
+        let start_s = self.queue.back().map_or(self.clock_s, |block| block.arrival.read_s);
+        self.run_all(start_s, sink);
+        self.end_rest(self.clock_s, sink);
+    }
+
+    fn stand(&mut self, index: usize, dwell_s: f64, sink: &mut impl FnMut(Stretch)) {
+        let read_s = self.feeder.last().read_s;
+        self.run_all(read_s, sink);
+        // A rest before the first motion is no part of the job's time.
+        self.end_rest(self.clock_s, sink);
+        self.rest = Some((index, self.clock_s));
+        self.clock_s = self.clock_s.max(read_s) + dwell_s;
+        self.feeder.wait_until(self.clock_s);
+    }
+
+    /// Hands on a rest that lasted until `until_s`.
+    fn end_rest(&mut self, until_s: f64, sink: &mut impl FnMut(Stretch)) {
+        if let Some((index, since_s)) = self.rest.take() {
+            let seconds = if self.moved { until_s - since_s } else { 0.0 };
+            sink(Stretch {
+                index,
+                seconds,
+                length_mm: 0.0,
+                entry_mm_per_s: 0.0,
+                cruise_mm_per_s: 0.0,
+                exit_mm_per_s: 0.0,
+                acceleration_mm_per_s2: 0.0,
+                held: None,
+            });
+        }
+    }
+
+    fn add(&mut self, index: usize, from: P3, to: P3, feed_mm_per_min: f64, sink: &mut impl FnMut(Stretch)) {
         let delta = to - from;
         let length_mm = delta.norm();
         if length_mm == 0.0 {
             return;
         }
+        if self.queue.len() > self.limits.planner_blocks {
+            self.run_first(None, sink);
+        }
         let direction = delta / length_mm;
         let rapid = along(self.limits.max_rate_mm_per_min, direction);
-        let nominal = feed_mm_per_min.min(rapid) / 60.0;
+        let nominal = feed_mm_per_min.max(MIN_FEED_MM_PER_MIN).min(rapid) / 60.0;
         let acceleration = along(self.limits.acceleration_mm_per_s2, direction);
-        let max_entry_squared = match self.queue.last() {
+        let max_entry_squared = match self.last {
             None => 0.0,
-            Some(last) => {
-                self.corner_squared(last.direction, direction).min(nominal * nominal).min(last.nominal * last.nominal)
+            Some((before, speed)) => {
+                self.corner_squared(before, direction).min(nominal * nominal).min(speed * speed)
             }
         };
-        self.queue.push(Block { index, direction, length_mm, nominal, acceleration, max_entry_squared });
-    }
-
-    /// Chords as motion_control.c cuts them; the last one ends exactly at the target.
-    fn add_arc(&mut self, index: usize, m: &Move) {
-        let Action::Arc { radius_mm, sweep_rad, .. } = m.action else { return };
-        let tolerance = self.limits.arc_tolerance_mm;
-        let half_chord_squared = tolerance * (2.0 * radius_mm - tolerance);
-        let chords = (0.5 * sweep_rad.abs() * radius_mm / half_chord_squared.max(f64::MIN_POSITIVE).sqrt()).floor();
-        let chords = if half_chord_squared > 0.0 { chords.max(1.0) } else { 1.0 };
-        let mut from = m.from;
-        for k in 1..=chords as u64 {
-            let t = k as f64 / chords;
-            let to = if t >= 1.0 { m.to } else { m.point_at(t) };
-            self.add(index, from, to, m.feed_mm_per_min);
-            from = to;
+        self.last = Some((direction, nominal));
+        let places = self.limits.planner_blocks + 1;
+        while self.done_s.len() > places {
+            self.done_s.pop_front();
         }
+        // A place in the buffer is free once the block that held it is done with.
+        if self.queue.len() + self.done_s.len() >= places
+            && let Some(free_s) = self.done_s.get(self.queue.len() + self.done_s.len() - places)
+        {
+            self.feeder.wait_for_place(*free_s);
+        }
+        let arrival = self.feeder.last();
+        self.queue.push_back(Block { index, direction, length_mm, nominal, acceleration, max_entry_squared, arrival });
     }
 
     /// Square of the speed at which a corner may be taken: v^2 = a d sin(t/2) / (1 - sin(t/2)), where t is the angle between the two
@@ -129,35 +245,94 @@ impl Planner<'_> {
         acceleration * self.limits.junction_deviation_mm * sine / (1.0 - sine)
     }
 
-    /// Runs the queued blocks from rest to rest.
-    fn run(&mut self) {
-        let blocks = std::mem::take(&mut self.queue);
-        let mut entry_squared = 0.0;
-        for (k, block) in blocks.iter().enumerate() {
-            let reach = entry_squared + 2.0 * block.acceleration * block.length_mm;
-            let exit_squared = reach.min(self.entry_seen(&blocks[k + 1..]));
-            self.move_s[block.index] += block.seconds(entry_squared, exit_squared);
-            entry_squared = exit_squared;
+    /// Runs all that is queued; the line after it, read at `read_s`, makes the machine rest.
+    fn run_all(&mut self, read_s: f64, sink: &mut impl FnMut(Stretch)) {
+        while !self.queue.is_empty() {
+            self.run_first(Some(read_s), sink);
         }
+        self.last = None;
+        self.resting = true;
     }
 
-    /// Square of the fastest speed at the start of `ahead` from which the machine can still stop within the blocks it sees.
-    fn entry_seen(&self, ahead: &[Block]) -> f64 {
-        let seen = &ahead[..ahead.len().min(self.limits.planner_blocks)];
-        seen.iter().rev().fold(0.0, |exit_squared: f64, block| {
-            block.max_entry_squared.min(exit_squared + 2.0 * block.acceleration * block.length_mm)
+    /// Runs the first block. `rest_s` tells when the line was read that stops the machine after the last block queued.
+    fn run_first(&mut self, rest_s: Option<f64>, sink: &mut impl FnMut(Stretch)) {
+        let Some(block) = self.queue.pop_front() else { return };
+        let before_s = self.clock_s;
+        if self.resting || block.arrival.read_s > self.clock_s {
+            self.entry_squared = 0.0;
+            self.resting = true;
+            self.clock_s = self.clock_s.max(self.cycle_start_s(&block, rest_s));
+        }
+        if self.resting {
+            self.end_rest(self.clock_s, sink);
+            self.resting = false;
+        }
+        // Waiting counts when it was not told as a rest of its own.
+        let waited_s = if self.moved && self.entry_squared == 0.0 { self.clock_s - before_s } else { 0.0 };
+        let _ = waited_s;
+        let reach_squared = self.entry_squared + 2.0 * block.acceleration * block.length_mm;
+        // What is read while the block runs still counts for its end.
+        let soonest_s = self.clock_s + block.run(self.entry_squared, reach_squared.min(block.nominal * block.nominal)).1;
+        let seen = self.queue.iter().take(self.limits.planner_blocks).take_while(|b| b.arrival.read_s <= soonest_s).count();
+        let (seen_squared, by_horizon) = self.entry_seen(seen);
+        // Not below what braking along the whole block leaves: rounding only.
+        let least_squared = self.entry_squared - 2.0 * block.acceleration * block.length_mm;
+        let exit_squared = reach_squared.min(seen_squared).max(least_squared);
+        let ends_here = rest_s.is_some() && seen == self.queue.len();
+        let held = (by_horizon && !ends_here && seen_squared < reach_squared.min(block.nominal * block.nominal)).then(|| {
+            if seen >= self.limits.planner_blocks {
+                Held::LookAhead
+            } else {
+                self.queue.get(seen).map_or(Held::LookAhead, |next| next.arrival.held)
+            }
+        });
+        let (cruise, seconds) = block.run(self.entry_squared, exit_squared);
+        self.clock_s += seconds;
+        sink(Stretch {
+            index: block.index,
+            seconds: seconds + waited_s,
+            length_mm: block.length_mm,
+            entry_mm_per_s: self.entry_squared.sqrt(),
+            cruise_mm_per_s: cruise,
+            exit_mm_per_s: exit_squared.sqrt(),
+            acceleration_mm_per_s2: block.acceleration,
+            held,
+        });
+        self.moved = true;
+        self.entry_squared = exit_squared;
+        self.done_s.push_back(self.clock_s);
+    }
+
+    /// When a resting machine starts: its buffer is full, nothing more has arrived, or a line wants it to rest (protocol.c).
+    fn cycle_start_s(&self, first: &Block, rest_s: Option<f64>) -> f64 {
+        let mut read_s = first.arrival.read_s;
+        for next in self.queue.iter().take(self.limits.planner_blocks - 1) {
+            if next.arrival.arrived_s > read_s {
+                return read_s;
+            }
+            read_s = next.arrival.read_s;
+        }
+        if self.queue.len() + 1 < self.limits.planner_blocks { rest_s.unwrap_or(read_s).max(read_s) } else { read_s }
+    }
+
+    /// Square of the fastest speed at the start of the queue from which the machine can still stop within the first `seen` blocks, and
+    /// whether it is the need to stop that decides.
+    fn entry_seen(&self, seen: usize) -> (f64, bool) {
+        self.queue.range(..seen).rev().fold((0.0, true), |(exit_squared, by_horizon), block| {
+            let reach = exit_squared + 2.0 * block.acceleration * block.length_mm;
+            if block.max_entry_squared < reach { (block.max_entry_squared, false) } else { (reach, by_horizon) }
         })
     }
 }
 
 impl Block {
-    /// Time of the trapezoid from one speed to another under the nominal speed.
-    fn seconds(&self, entry_squared: f64, exit_squared: f64) -> f64 {
+    /// Greatest speed and time of the trapezoid from one speed to another under the nominal speed.
+    fn run(&self, entry_squared: f64, exit_squared: f64) -> (f64, f64) {
         let (v0, v1, a) = (entry_squared.sqrt(), exit_squared.sqrt(), self.acceleration);
         let peak_squared = 0.5 * (2.0 * a * self.length_mm + entry_squared + exit_squared);
-        let peak = peak_squared.sqrt().min(self.nominal);
+        let peak = peak_squared.sqrt().min(self.nominal).max(v0).max(v1);
         let ramps = (2.0 * peak * peak - entry_squared - exit_squared) / (2.0 * a);
-        (2.0 * peak - v0 - v1) / a + (self.length_mm - ramps).max(0.0) / peak
+        (peak, (2.0 * peak - v0 - v1) / a + (self.length_mm - ramps).max(0.0) / peak)
     }
 }
 
@@ -240,28 +415,5 @@ mod tests {
         assert!(timing.move_s[1] > 2.0 && timing.move_s[1] < 2.1);
         assert_eq!(timing.move_s[2], 1.0);
         assert_eq!(estimate(&[], &LIMITS).total_s, 0.0);
-    }
-
-    /// Times of unmodified GRBL 1.1h firmware on a board model with real UART timing, 80 steps/mm, $110 = $111 = 10000, $120 = $121 = 500,
-    /// lines sent by character counting: from the first to the last step.
-    #[test]
-    fn measured_jobs_take_as_long_as_they_did() {
-        let rectangles: String = (0..8)
-            .map(|k| (10 + 45 * k, 50 + 45 * k))
-            .map(|(l, r)| format!("G0X{l}Y10\nG1X{r}Y10F1800S300\nG1X{r}Y200\nG1X{l}Y200\nG1X{l}Y10\n"))
-            .collect();
-        let small = (0..6).map(|k| (40 + 60 * k, 60, 5 + 4 * k));
-        let large = (0..6).map(|k| (40 + 60 * k, 180, 28));
-        let circles: String = small
-            .chain(large)
-            .map(|(x, y, r)| (x - r, x + r, y, r))
-            .map(|(l, r, y, i)| format!("G0X{l}Y{y}\nG2X{r}Y{y}I{i}J0F3000S400\nG2X{l}Y{y}I-{i}J0\n"))
-            .collect();
-        let limits = Limits { max_rate_mm_per_min: [10_000.0, 10_000.0, 3000.0], ..LIMITS };
-        for (job, measured_s) in [(rectangles, 130.288), (circles, 45.109)] {
-            let moves = trace(&parse(&format!("M4S0\n{job}M5S0\nG0X0Y0")).unwrap()).unwrap();
-            let estimated_s = estimate(&moves, &limits).total_s;
-            assert!((estimated_s / measured_s - 1.0).abs() < 0.002, "{estimated_s} {measured_s}");
-        }
     }
 }

@@ -235,6 +235,10 @@ impl Setup {
             junction_deviation_mm: controller.junction_deviation_mm,
             arc_tolerance_mm: controller.arc_tolerance_mm,
             planner_blocks: controller.planner_blocks as usize,
+            // Ten bits a byte: start, eight, stop.
+            bytes_per_s: f64::from(controller.baud) / 10.0,
+            rx_bytes: controller.rx_bytes as usize,
+            line_s: controller.line_ms / 1000.0,
         }
     }
 }
