@@ -28,7 +28,7 @@ pub use emit::{AirWords, Dialect, Error, Header, emit};
 pub use moves::{Action, Beam, Move};
 pub use parse::{ParseError, parse};
 pub use planner::{Held, Limits, Planner, Stretch};
-pub use program::{Line, Program, Word};
 pub use problem::{TraceError, TraceProblem};
+pub use program::{Line, Program, Word};
 pub use timing::{Speeds, Timing, estimate};
 pub use trace::trace;

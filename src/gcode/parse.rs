@@ -170,9 +170,13 @@ mod tests {
     #[test]
     fn foreign_spelling_is_read_as_grbl_reads_it() {
         let expected = vec![('G', 1.0), ('X', 10.0), ('Y', -0.5), ('F', 1200.0)];
-        for text in
-            ["G1X10Y-.5F1200", "g01 x10. y-0.50 f1200", "/G1 X1 0 (half\tway) Y-.5F1200 ; end", "G1X1(a)(b)0Y-.5F1200", "G1X+10Y-.5F1200\r"]
-        {
+        for text in [
+            "G1X10Y-.5F1200",
+            "g01 x10. y-0.50 f1200",
+            "/G1 X1 0 (half\tway) Y-.5F1200 ; end",
+            "G1X1(a)(b)0Y-.5F1200",
+            "G1X+10Y-.5F1200\r",
+        ] {
             assert_eq!(words(text), expected, "{text}");
         }
     }

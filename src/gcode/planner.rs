@@ -28,7 +28,7 @@ pub struct Limits {
     pub junction_deviation_mm: f64,
     /// How far chords may leave an arc, mm (GRBL $12).
     pub arc_tolerance_mm: f64,
-    /// Blocks the planner looks ahead: 15 on an ATmega328p.
+    /// Blocks the planner holds, the one being run among them: 15 on an ATmega328p.
     pub planner_blocks: usize,
     /// Bytes the link carries: a tenth of the baud rate.
     pub bytes_per_s: f64,
@@ -77,7 +77,8 @@ impl Stretch {
         if self.cruise_mm_per_s < speed_mm_per_s {
             return self.length_mm;
         }
-        let ramp = |end: f64| (speed_mm_per_s * speed_mm_per_s - end * end).max(0.0) / (2.0 * self.acceleration_mm_per_s2);
+        let ramp =
+            |end: f64| (speed_mm_per_s * speed_mm_per_s - end * end).max(0.0) / (2.0 * self.acceleration_mm_per_s2);
         (ramp(self.entry_mm_per_s) + ramp(self.exit_mm_per_s)).min(self.length_mm)
     }
 }
@@ -201,7 +202,7 @@ impl Planner {
         if length_mm == 0.0 {
             return;
         }
-        if self.queue.len() > self.limits.planner_blocks {
+        if self.queue.len() >= self.limits.planner_blocks {
             self.run_first(None, sink);
         }
         let direction = delta / length_mm;
@@ -210,12 +211,10 @@ impl Planner {
         let acceleration = along(self.limits.acceleration_mm_per_s2, direction);
         let max_entry_squared = match self.last {
             None => 0.0,
-            Some((before, speed)) => {
-                self.corner_squared(before, direction).min(nominal * nominal).min(speed * speed)
-            }
+            Some((before, speed)) => self.corner_squared(before, direction).min(nominal * nominal).min(speed * speed),
         };
         self.last = Some((direction, nominal));
-        let places = self.limits.planner_blocks + 1;
+        let places = self.limits.planner_blocks;
         while self.done_s.len() > places {
             self.done_s.pop_front();
         }
@@ -257,35 +256,38 @@ impl Planner {
     /// Runs the first block. `rest_s` tells when the line was read that stops the machine after the last block queued.
     fn run_first(&mut self, rest_s: Option<f64>, sink: &mut impl FnMut(Stretch)) {
         let Some(block) = self.queue.pop_front() else { return };
-        let before_s = self.clock_s;
+        let mut waited_s = 0.0;
         if self.resting || block.arrival.read_s > self.clock_s {
             self.entry_squared = 0.0;
-            self.resting = true;
-            self.clock_s = self.clock_s.max(self.cycle_start_s(&block, rest_s));
-        }
-        if self.resting {
-            self.end_rest(self.clock_s, sink);
             self.resting = false;
+            let start_s = self.clock_s.max(self.cycle_start_s(&block, rest_s));
+            if self.rest.is_some() {
+                self.end_rest(start_s, sink);
+            } else if self.moved {
+                waited_s = start_s - self.clock_s;
+            }
+            self.clock_s = start_s;
         }
-        // Waiting counts when it was not told as a rest of its own.
-        let waited_s = if self.moved && self.entry_squared == 0.0 { self.clock_s - before_s } else { 0.0 };
-        let _ = waited_s;
         let reach_squared = self.entry_squared + 2.0 * block.acceleration * block.length_mm;
         // What is read while the block runs still counts for its end.
-        let soonest_s = self.clock_s + block.run(self.entry_squared, reach_squared.min(block.nominal * block.nominal)).1;
-        let seen = self.queue.iter().take(self.limits.planner_blocks).take_while(|b| b.arrival.read_s <= soonest_s).count();
+        let soonest_s =
+            self.clock_s + block.run(self.entry_squared, reach_squared.min(block.nominal * block.nominal)).1;
+        // The block that runs holds a place of the buffer itself.
+        let ahead = self.limits.planner_blocks.saturating_sub(1);
+        let seen = self.queue.iter().take(ahead).take_while(|b| b.arrival.read_s <= soonest_s).count();
         let (seen_squared, by_horizon) = self.entry_seen(seen);
         // Not below what braking along the whole block leaves: rounding only.
         let least_squared = self.entry_squared - 2.0 * block.acceleration * block.length_mm;
         let exit_squared = reach_squared.min(seen_squared).max(least_squared);
         let ends_here = rest_s.is_some() && seen == self.queue.len();
-        let held = (by_horizon && !ends_here && seen_squared < reach_squared.min(block.nominal * block.nominal)).then(|| {
-            if seen >= self.limits.planner_blocks {
-                Held::LookAhead
-            } else {
-                self.queue.get(seen).map_or(Held::LookAhead, |next| next.arrival.held)
-            }
-        });
+        let held =
+            (by_horizon && !ends_here && seen_squared < reach_squared.min(block.nominal * block.nominal)).then(|| {
+                if seen >= ahead {
+                    Held::LookAhead
+                } else {
+                    self.queue.get(seen).map_or(Held::LookAhead, |next| next.arrival.held)
+                }
+            });
         let (cruise, seconds) = block.run(self.entry_squared, exit_squared);
         self.clock_s += seconds;
         sink(Stretch {
@@ -306,7 +308,7 @@ impl Planner {
     /// When a resting machine starts: its buffer is full, nothing more has arrived, or a line wants it to rest (protocol.c).
     fn cycle_start_s(&self, first: &Block, rest_s: Option<f64>) -> f64 {
         let mut read_s = first.arrival.read_s;
-        for next in self.queue.iter().take(self.limits.planner_blocks - 1) {
+        for next in self.queue.iter().take(self.limits.planner_blocks.saturating_sub(1)) {
             if next.arrival.arrived_s > read_s {
                 return read_s;
             }
@@ -343,7 +345,7 @@ fn along(limits: [f64; 3], direction: V3) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{parse, trace};
+    use super::super::{estimate, parse, trace};
     use super::*;
 
     const LIMITS: Limits = Limits {
@@ -352,6 +354,9 @@ mod tests {
         junction_deviation_mm: 0.01,
         arc_tolerance_mm: 0.002,
         planner_blocks: 15,
+        bytes_per_s: 11_520.0,
+        rx_bytes: 128,
+        line_s: 0.0037,
     };
 
     fn seconds(text: &str) -> f64 {
@@ -403,7 +408,9 @@ mod tests {
         let expected = std::f64::consts::TAU * 50.0 / 50.0;
         assert!((circle / expected - 1.0).abs() < 0.02, "{circle} {expected}");
         let halves = "M4S0\nG1X50F1200S10\nM5\nM4\nG1X100";
-        assert!((seconds(halves) - (5.08 + 3.0 * STOP_S)).abs() < 1e-9);
+        // Before M5: one stop. After it M4 stops again at once, and 1.5 line times go by until G1 runs; the rest before the first motion is no part of it.
+        let read_s = (0.5 + 1.0) * LIMITS.line_s;
+        assert!((seconds(halves) - (5.08 + read_s)).abs() < 2e-4, "{}", seconds(halves) - 5.08);
         assert!((seconds("G1X100F1200\nG4P0.5") - 5.54).abs() < 1e-9);
     }
 

@@ -378,7 +378,10 @@ fn refuse_unused(said: &Said, motion: Motion) -> Result<(), Refusal> {
             unused.push(b'P');
         }
     }
-    if !said.moves() && !matches!(said.once, Some(Once::SetOffset | Once::Shift | Once::GoHome)) && said.tool_length.is_none() {
+    if !said.moves()
+        && !matches!(said.once, Some(Once::SetOffset | Once::Shift | Once::GoHome))
+        && said.tool_length.is_none()
+    {
         unused.extend(b"XYZ");
     }
     match said.first_of(&unused) {
@@ -464,7 +467,6 @@ mod tests {
             ("G21\nG5X1", 2, "G5 is not"),
             ("G54.1", 1, "error:23"),
             ("M6", 1, "error:20"),
-            
             ("G1X1X2F1", 1, "error:25"),
             ("G0G1X1", 1, "error:24"),
             ("M3M5", 1, "error:21"),
