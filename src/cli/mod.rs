@@ -3,6 +3,7 @@
 //! A command returns `Result<(), Failure>`; what a [`Failure`] says goes to stderr as a chain, its [`Exit`] becomes the process's exit code.
 //! To add a command: a file with its `Args` and a `run`, a variant in [`Command`], an arm in [`Command::run`].
 
+mod check;
 mod completions;
 mod files;
 mod machine;
@@ -29,6 +30,8 @@ pub struct Cli {
 pub enum Command {
     /// Turn a shape into sheets of pieces: drawings, G-code and pictures
     Make(make::Args),
+    /// Check G-code, of this or another program, against a machine: reach, power, feeds, time
+    Check(check::Args),
     /// Cutters: list them, show one, check a file of your own
     #[command(subcommand)]
     Machine(files::Command),
@@ -44,6 +47,7 @@ impl Command {
     pub fn run(self) -> Result<(), Failure> {
         match self {
             Command::Make(args) => make::run(args),
+            Command::Check(args) => check::run(&args),
             Command::Machine(command) => machine::run(command),
             Command::Profile(command) => profile::run(command),
             Command::Completions(args) => completions::run(args),

@@ -1,193 +1,267 @@
-//! What a machine would object to in a program.
+//! What a machine, its tool and its material would object to in a program, ours or foreign.
+//!
+//! Streams: holds one line, the planner's blocks and the findings, however long the file. Goes on after what the machine would refuse, as
+//! GRBL does: a refused line changes nothing.
 
-use super::{Action, Beam, Move};
-use crate::geom::{Rect, tolerance};
+use std::collections::VecDeque;
+use std::io::{BufRead, Read};
 
-/// What the machine permits.
-#[derive(Debug, Clone, Copy, PartialEq)]
+use super::burn::Burn;
+use super::finding::{Finding, Findings};
+use super::line_rules::LineRules;
+use super::move_rules::MoveRules;
+use super::parse::{column_of_word, parse_line};
+use super::timing::LitTime;
+use super::trace::{Tracer, sent_bytes};
+use super::{Limits, Move, Planner, Program, Stretch};
+use crate::geom::Rect;
+
+/// Longest line that is held, in bytes; what is longer is no G-code.
+const MAX_LINE_BYTES: u64 = 65_536;
+
+/// How many lines go by between two steps.
+const LINES_PER_STEP: usize = 4096;
+
+/// What the machine permits and what its tool and material bear.
+#[derive(Debug, Clone, PartialEq)]
 pub struct CheckSettings {
     /// What the head may reach, mm in work coordinates.
     pub work_area: Rect,
+    /// Travel of z, mm (GRBL $132).
+    pub travel_z_mm: f64,
+    /// What stands on the bed: its name and where, mm in work coordinates.
+    pub keep_outs: Vec<(String, Rect)>,
     /// The S word of full power (GRBL $30).
     pub max_s: f64,
-    /// Fastest rate of x, y and z, mm/min (GRBL $110-$112).
-    pub max_rate_mm_per_min: [f64; 3],
+    /// How fast it moves, and how fast lines get there.
+    pub limits: Limits,
+    /// True when the tool burns.
+    pub laser: bool,
+    /// GRBL $32: the beam is off in G0 and power can follow speed.
+    pub laser_mode: bool,
+    /// The controller knows M7, which GRBL does only when built with it.
+    pub mist: bool,
+    /// Share of full power below which the beam goes out: a CO2 tube's strike floor; 0 when there is none.
+    pub strike_floor: f64,
+    /// What the material bears, when it is known.
+    pub energy: Option<Energy>,
 }
 
-/// One objection. Lines count from 1.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum Finding {
-    /// A move leaves the work area.
-    #[error("line {line}: the move leaves the work area by {by_mm:.3} mm on its {side} side")]
-    OutsideWorkArea {
-        /// Line of the program.
-        line: usize,
-        /// "left", "right", "lower" or "upper".
-        side: &'static str,
-        /// How far, mm.
-        by_mm: f64,
-    },
-    /// A travel with the beam commanded on.
-    #[error("line {line}: a travel with the laser on at S{power_s}; write S0 or M5 before G0")]
-    LaserOnTravel {
-        /// Line of the program.
-        line: usize,
-        /// S word in effect.
-        power_s: f64,
-    },
-    /// More power than there is.
-    #[error("line {line}: S{power_s} is above the machine's full power S{max_s}")]
-    PowerAboveMax {
-        /// Line of the program.
-        line: usize,
-        /// S word in effect.
-        power_s: f64,
-        /// The machine's, GRBL $30.
-        max_s: f64,
-    },
-    /// A feed no axis keeps up with; the controller would silently run slower.
-    #[error("line {line}: F{feed_mm_per_min} asks more of axis {axis} than its {limit_mm_per_min} mm/min")]
-    FeedAboveLimit {
-        /// Line of the program.
-        line: usize,
-        /// Feed in effect, mm/min.
-        feed_mm_per_min: f64,
-        /// 'X', 'Y' or 'Z'.
-        axis: char,
-        /// The axis's, mm/min.
-        limit_mm_per_min: f64,
-    },
+/// Energy per length, to tell cutting from scorching.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Energy {
+    /// Light at full power, W.
+    pub full_power_w: f64,
+    /// What cuts the material, J/mm.
+    pub cut_j_per_mm: f64,
 }
 
-impl Finding {
-    /// Stable word for scripts.
-    pub fn code(&self) -> &'static str {
-        match self {
-            Finding::OutsideWorkArea { .. } => "outside-work-area",
-            Finding::LaserOnTravel { .. } => "laser-on-travel",
-            Finding::PowerAboveMax { .. } => "power-above-max",
-            Finding::FeedAboveLimit { .. } => "feed-above-limit",
+/// Everything found, and what the program amounts to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// What must not be sent, by line.
+    pub errors: Vec<Finding>,
+    /// What the user should know, by line.
+    pub warnings: Vec<Finding>,
+    /// Box around everything burnt or cut, mm in work coordinates; empty when nothing is.
+    pub bounds: Rect,
+    /// Length burnt or cut, mm.
+    pub cut_mm: f64,
+    /// Length moved without, mm.
+    pub travel_mm: f64,
+    /// Planned time, s, from the first step to the last.
+    pub time_s: f64,
+    /// How long the laser is lit, s.
+    pub laser_on_s: f64,
+    /// Lines of the file.
+    pub lines: usize,
+}
+
+/// Checks a program held in memory, as a file of its written lines.
+pub fn check(program: &Program, settings: &CheckSettings) -> Report {
+    let mut checker = Checker::new(settings);
+    for line in &program.lines {
+        checker.line(&line.to_string());
+    }
+    checker.finish()
+}
+
+/// Where findings go.
+#[derive(Debug, Default)]
+pub(super) struct Notes {
+    pub(super) errors: Findings,
+    pub(super) warnings: Findings,
+}
+
+/// Checks a file line by line.
+#[derive(Debug)]
+pub struct Checker<'a> {
+    settings: &'a CheckSettings,
+    notes: Notes,
+    tracer: Tracer,
+    planner: Planner,
+    line_rules: LineRules,
+    move_rules: MoveRules,
+    sums: Sums,
+    lines: usize,
+    /// Moves pushed to the planner.
+    pushed: usize,
+    /// What one line does.
+    moves: Vec<Move>,
+}
+
+/// What comes out of the planner, move by move.
+#[derive(Debug, Default)]
+struct Sums {
+    /// Moves the planner has not done with, with their index.
+    pending: VecDeque<(usize, Move)>,
+    /// The move the last stretch belonged to, and what it did so far.
+    burn: Burn,
+    lit: LitTime,
+    time_s: f64,
+    cut_mm: f64,
+    travel_mm: f64,
+    bounds: Option<Rect>,
+}
+
+impl<'a> Checker<'a> {
+    /// Nothing read yet.
+    pub fn new(settings: &'a CheckSettings) -> Checker<'a> {
+        Checker {
+            settings,
+            notes: Notes::default(),
+            tracer: Tracer::new(),
+            planner: Planner::new(&settings.limits),
+            line_rules: LineRules::default(),
+            move_rules: MoveRules::default(),
+            sums: Sums::default(),
+            lines: 0,
+            pushed: 0,
+            moves: Vec::new(),
         }
     }
 
-    /// Line of the program, from 1.
-    pub fn line(&self) -> usize {
-        match *self {
-            Finding::OutsideWorkArea { line, .. }
-            | Finding::LaserOnTravel { line, .. }
-            | Finding::PowerAboveMax { line, .. }
-            | Finding::FeedAboveLimit { line, .. } => line,
-        }
-    }
-}
-
-/// Everything the machine would object to, in the order of the program. A power or feed is reported where it first does harm, not again
-/// on every move it stays in effect.
-pub fn check(moves: &[Move], settings: &CheckSettings) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    let (mut power_reported, mut feed_reported) = (None, None);
-    for m in moves {
-        findings.extend(outside(m, &settings.work_area));
-        let line = m.line;
-        let lit = m.beam != Beam::Off && m.power_s > 0.0;
-        if m.action == Action::Rapid && lit && m.length_mm() > 0.0 {
-            findings.push(Finding::LaserOnTravel { line, power_s: m.power_s });
-        }
-        if m.beam != Beam::Off && m.power_s > settings.max_s {
-            if power_reported.replace(m.power_s) != Some(m.power_s) {
-                findings.push(Finding::PowerAboveMax { line, power_s: m.power_s, max_s: settings.max_s });
+    /// Takes a whole file; `step` is told now and then how many bytes are done.
+    ///
+    /// # Errors
+    /// Those of `input`.
+    pub fn read(&mut self, mut input: impl BufRead, mut step: impl FnMut(u64)) -> std::io::Result<()> {
+        let mut bytes = Vec::new();
+        let mut done = 0;
+        for count in 1_usize.. {
+            bytes.clear();
+            let mut taken = (&mut input).take(MAX_LINE_BYTES).read_until(b'\n', &mut bytes)?;
+            if taken == 0 {
+                break;
             }
+            // What no controller takes need not be held.
+            while taken as u64 == MAX_LINE_BYTES && bytes.last() != Some(&b'\n') {
+                let kept = bytes.len();
+                taken = (&mut input).take(MAX_LINE_BYTES).read_until(b'\n', &mut bytes)?;
+                done += taken as u64;
+                if bytes.last() == Some(&b'\n') {
+                    taken = 0;
+                }
+                bytes.truncate(kept);
+            }
+            done += bytes.len() as u64;
+            if count % LINES_PER_STEP == 0 {
+                step(done);
+            }
+            let line = bytes.strip_suffix(b"\n").unwrap_or(&bytes);
+            let line = line.strip_suffix(b"\r").unwrap_or(line);
+            self.line(&String::from_utf8_lossy(line));
+        }
+        Ok(())
+    }
+
+    /// Takes the next line, without its line feed.
+    pub fn line(&mut self, text: &str) {
+        self.lines += 1;
+        let number = self.lines;
+        let bytes = sent_bytes(text);
+        let Checker { settings, notes, .. } = self;
+        if !self.line_rules.text(number, text, bytes, notes) {
+            return;
+        }
+        let line = match parse_line(text, number) {
+            Ok(line) => line,
+            Err(error) => {
+                let code = format!("error:{}", error.grbl_error);
+                notes.errors.add(number, error.column, &code, || {
+                    format!("{} (GRBL error:{}), found {:?}", error.problem, error.grbl_error, error.found)
+                });
+                return;
+            }
+        };
+        if line.words.is_empty() {
+            return;
+        }
+        self.moves.clear();
+        if let Err(refusal) = self.tracer.line(&line, number, bytes, &mut self.moves) {
+            let code = format!("error:{}", refusal.problem.grbl_error());
+            let column = column_of_word(text, refusal.word);
+            notes.errors.add(number, column, &code, || refusal.problem.to_string());
+            return;
+        }
+        self.line_rules.words(number, text, &line, &self.moves, settings, notes);
+        for m in &self.moves {
+            self.move_rules.judge(m, settings, notes);
+            self.sums.measure(m, settings);
+            let index = self.pushed;
+            self.pushed += 1;
+            if m.length_mm() > 0.0 || !m.goes() {
+                self.sums.pending.push_back((index, *m));
+            }
+            self.planner.push(m, &mut |stretch| self.sums.take(&stretch, settings));
+        }
+    }
+
+    /// The end of the file.
+    pub fn finish(mut self) -> Report {
+        let Checker { settings, mut notes, mut sums, .. } = self;
+        self.planner.finish(&mut |stretch| sums.take(&stretch, settings));
+        sums.burn.end_move(settings);
+        sums.burn.tell(settings, &mut notes);
+        self.move_rules.end(self.lines, self.tracer.beam_left(), settings, &mut notes);
+        Report {
+            errors: notes.errors.finish(),
+            warnings: notes.warnings.finish(),
+            bounds: sums.bounds.unwrap_or(Rect::EMPTY),
+            cut_mm: sums.cut_mm,
+            travel_mm: sums.travel_mm,
+            time_s: sums.time_s,
+            laser_on_s: sums.lit.seconds,
+            lines: self.lines,
+        }
+    }
+}
+
+impl Sums {
+    fn measure(&mut self, m: &Move, settings: &CheckSettings) {
+        if !m.goes() {
+            return;
+        }
+        let cuts = if settings.laser { m.burns() } else { m.feeds() };
+        if cuts {
+            self.cut_mm += m.length_mm();
+            self.bounds = Some(self.bounds.unwrap_or(Rect::EMPTY).union(m.bounds()));
         } else {
-            power_reported = None;
-        }
-        if let Some(finding) = too_fast(m, &settings.max_rate_mm_per_min)
-            && feed_reported.replace(m.feed_mm_per_min) != Some(m.feed_mm_per_min)
-        {
-            findings.push(finding);
+            self.travel_mm += m.length_mm();
         }
     }
-    findings
-}
 
-fn outside(m: &Move, work_area: &Rect) -> Option<Finding> {
-    if matches!(m.action, Action::Dwell { .. } | Action::Stop) {
-        return None;
+    fn take(&mut self, stretch: &Stretch, settings: &CheckSettings) {
+        self.time_s += stretch.seconds;
+        while self.pending.front().is_some_and(|(index, _)| *index < stretch.index) {
+            self.pending.pop_front();
+        }
+        let Some((_, m)) = self.pending.front() else { return };
+        self.lit.add(m, stretch.seconds);
+        self.burn.add(m, stretch, settings);
     }
-    let (side, by_mm) = work_area.overrun_by(&m.bounds());
-    (by_mm > tolerance::LIMIT_SLACK_MM).then_some(Finding::OutsideWorkArea { line: m.line, side, by_mm })
-}
-
-fn too_fast(m: &Move, max_rate_mm_per_min: &[f64; 3]) -> Option<Finding> {
-    let share = match m.action {
-        Action::Line => (m.to - m.from).try_normalize(0.0)?.abs(),
-        // Somewhere on the way an arc may run along either axis.
-        Action::Arc { .. } => nalgebra::Vector3::new(1.0, 1.0, 0.0),
-        _ => return None,
-    };
-    let axes = ['X', 'Y', 'Z'].into_iter().zip(share.iter()).zip(max_rate_mm_per_min);
-    axes.filter(|((_, share), limit)| m.feed_mm_per_min * *share > **limit * (1.0 + 1e-9))
-        .map(|((axis, _), limit)| Finding::FeedAboveLimit {
-            line: m.line,
-            feed_mm_per_min: m.feed_mm_per_min,
-            axis,
-            limit_mm_per_min: *limit,
-        })
-        .next()
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::{parse, trace};
-    use super::*;
-
-    fn findings(text: &str) -> Vec<Finding> {
-        let settings = CheckSettings {
-            work_area: Rect::from_size(400.0, 300.0),
-            max_s: 1000.0,
-            max_rate_mm_per_min: [6000.0, 3000.0, 600.0],
-        };
-        check(&trace(&parse(text).unwrap()).unwrap(), &settings)
-    }
-
-    #[test]
-    fn a_good_program_is_left_in_peace() {
-        assert_eq!(findings("M4S0\nG0X400Y300S0\nG1X0S1000F6000\nG0Y0S0\nM5\nG0X0S500"), []);
-    }
-
-    #[test]
-    fn moves_beyond_the_work_area_are_found_arcs_and_travels_too() {
-        let expected = Finding::OutsideWorkArea { line: 2, side: "right", by_mm: 0.5 };
-        assert_eq!(
-            findings("G0X10\nX400.5\nX400"),
-            [expected, Finding::OutsideWorkArea { line: 3, side: "right", by_mm: 0.5 }]
-        );
-        let arc = findings("G0X10Y10\nG2X30Y10I10F100\nG3X50Y10I10F100");
-        assert!(matches!(arc[..], []), "{arc:?}");
-        let arc = findings("G0X10Y5\nG3X30Y5I10F100");
-        assert!(
-            matches!(arc[..], [Finding::OutsideWorkArea { line: 2, side: "lower", by_mm }] if (by_mm - 5.0).abs() < 1e-9)
-        );
-    }
-
-    #[test]
-    fn a_lit_travel_is_found_only_where_it_goes_somewhere() {
-        assert_eq!(findings("M3S500\nG0X10"), [Finding::LaserOnTravel { line: 2, power_s: 500.0 }]);
-        assert_eq!(findings("M3S500\nG0X0\nM5\nG0X10"), []);
-    }
-
-    #[test]
-    fn power_and_feed_over_their_limits_are_reported_once_while_they_last() {
-        let found = findings("M4S0\nG1X10S1200F100\nX20\nX30S900\nX40S1200");
-        assert_eq!(
-            found.iter().map(|f| (f.code(), f.line())).collect::<Vec<_>>(),
-            [("power-above-max", 2), ("power-above-max", 5)]
-        );
-        let found = findings("G1X10F6500\nX20\nY10\nX100Y11F5000");
-        assert_eq!(found.iter().map(|f| (f.code(), f.line())).collect::<Vec<_>>(), [("feed-above-limit", 1)]);
-        assert!(matches!(
-            findings("G1Y10F5000")[..],
-            [Finding::FeedAboveLimit { axis: 'Y', limit_mm_per_min: 3000.0, .. }]
-        ));
-        assert!(matches!(findings("G3Y10J5F5000")[..], [Finding::FeedAboveLimit { line: 1, axis: 'Y', .. }]), "an arc");
-    }
-}
+#[path = "check_tests.rs"]
+pub(super) mod tests;

@@ -121,6 +121,7 @@ fn check_contour(contour: &Contour) -> Result<(), Error> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::check::tests::diode;
     use super::super::{Action, CheckSettings, Move, check, parse, trace};
     use super::*;
     use crate::drawing::Role;
@@ -295,8 +296,9 @@ mod tests {
             prop_assert!(program.to_string().lines().all(|l| l.len() < 79));
             let moves = trace(&program).unwrap();
             prop_assert!(moves.iter().all(|m| m.action != Action::Rapid || m.power_s == 0.0));
-            let limits = CheckSettings { work_area: toolpath.bounds().with(P2::origin()).grown(1e-3), max_s: 1000.0, max_rate_mm_per_min: [6000.0; 3] };
-            prop_assert_eq!(check(&moves, &limits), []);
+            let settings = CheckSettings { work_area: toolpath.bounds().with(P2::origin()).grown(1e-3), ..diode() };
+            let report = check(&program, &settings);
+            prop_assert!(report.errors.is_empty() && report.warnings.is_empty(), "{report:?}");
 
             let runs: Vec<&[Move]> = moves.split(|m| !m.burns()).filter(|run| !run.is_empty()).collect();
             let written: Vec<&Contour> = contours.iter().filter(|c| c.path.length() > 0.1).collect();

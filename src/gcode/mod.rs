@@ -10,9 +10,13 @@
 
 mod arc_words;
 mod arcs;
+mod burn;
 mod check;
 mod emit;
 mod feeder;
+mod finding;
+mod line_rules;
+mod move_rules;
 mod moves;
 mod parse;
 mod planner;
@@ -23,8 +27,9 @@ mod trace;
 mod words;
 mod writer;
 
-pub use check::{CheckSettings, Finding, check};
+pub use check::{CheckSettings, Checker, Energy, Report, check};
 pub use emit::{AirWords, Dialect, Error, Header, emit};
+pub use finding::Finding;
 pub use moves::{Action, Beam, Move};
 pub use parse::{ParseError, parse};
 pub use planner::{Held, Limits, Planner, Stretch};

@@ -63,7 +63,17 @@ impl Move {
     /// True for feed moves with the laser on. (In laser mode GRBL keeps it off in G0; whether a program relies on that is for
     /// [`super::check`] to say.)
     pub fn burns(&self) -> bool {
-        matches!(self.action, Action::Line | Action::Arc { .. }) && self.beam != Beam::Off && self.power_s > 0.0
+        self.feeds() && self.beam != Beam::Off && self.power_s > 0.0
+    }
+
+    /// True for moves at a feed: lines and arcs.
+    pub fn feeds(&self) -> bool {
+        matches!(self.action, Action::Line | Action::Arc { .. })
+    }
+
+    /// True for whatever is no rest.
+    pub fn goes(&self) -> bool {
+        !matches!(self.action, Action::Dwell { .. } | Action::Stop)
     }
 
     /// Length of the way, mm.

@@ -4,20 +4,25 @@ use super::{Line, Program, Word};
 
 /// A place in a text that is not G-code.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}, column {column}: {problem}, found {found}")]
+#[error("line {line}, column {column}: {problem} (GRBL error:{grbl_error}), found {found:?}")]
 pub struct ParseError {
     /// Line, from 1.
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
-    /// What is wrong, with GRBL's error number.
+    /// The number in GRBL's `error:N`: 1 or 2.
+    pub grbl_error: u8,
+    /// What is wrong.
     pub problem: &'static str,
     /// What stands there.
     pub found: String,
 }
 
-const NO_LETTER: &str = "a word must begin with a letter (GRBL error:1)";
-const NO_NUMBER: &str = "a letter must be followed by a number such as 10, -2.5 or .75 (GRBL error:2)";
+/// Numbers beyond this are refused: GRBL computes with 32-bit floats, in which nothing is left of their places behind the point.
+const MAX_VALUE: f64 = 1e9;
+
+const NO_LETTER: &str = "a word must begin with a letter";
+const NO_NUMBER: &str = "a letter must be followed by a number such as 10, -2.5 or .75";
 
 /// Reads G-code. Like GRBL: spaces count nowhere, small letters are capitals, `/` is passed over, comments stand in parentheses or after a
 /// semicolon. Every line of the text becomes a line of the program. Which words exist is [`super::trace`]'s business.
@@ -40,8 +45,9 @@ pub fn parse_line(text: &str, number: usize) -> Result<Line, ParseError> {
     let fail = |at: usize, problem, found: &str| ParseError {
         line: number,
         column: column(text, at),
+        grbl_error: if problem == NO_LETTER { 1 } else { 2 },
         problem,
-        found: found.escape_debug().to_string(),
+        found: found.to_owned(),
     };
     while let Some((at, token)) = tokens.next() {
         match token {
@@ -139,7 +145,7 @@ impl<'a> Tokens<'a> {
         if digits.is_empty() {
             digits.extend(self.text[begin..].chars().find(|c| !is_blank(*c)));
         }
-        digits.parse().ok().filter(|value: &f64| plain && value.is_finite())
+        digits.parse().ok().filter(|value: &f64| plain && value.abs() <= MAX_VALUE)
     }
 }
 

@@ -87,7 +87,6 @@ impl Stretch {
 #[derive(Debug, Clone, Copy)]
 struct Block {
     index: usize,
-    direction: V3,
     length_mm: f64,
     nominal: f64,
     acceleration: f64,
@@ -225,7 +224,7 @@ impl Planner {
             self.feeder.wait_for_place(*free_s);
         }
         let arrival = self.feeder.last();
-        self.queue.push_back(Block { index, direction, length_mm, nominal, acceleration, max_entry_squared, arrival });
+        self.queue.push_back(Block { index, length_mm, nominal, acceleration, max_entry_squared, arrival });
     }
 
     /// Square of the speed at which a corner may be taken: v^2 = a d sin(t/2) / (1 - sin(t/2)), where t is the angle between the two

@@ -107,6 +107,11 @@ impl Tracer {
         })
     }
 
+    /// Laser mode and S word in effect.
+    pub(super) fn beam_left(&self) -> (Beam, f64) {
+        (self.beam, self.power_s)
+    }
+
     fn obey(&mut self, said: &Said, moves: &mut Vec<Move>) -> Result<(), Refusal> {
         self.inches = said.inches.unwrap_or(self.inches);
         let unit_mm = if self.inches { 25.4 } else { 1.0 };

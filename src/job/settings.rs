@@ -216,29 +216,62 @@ impl Setup {
         }
     }
 
-    /// What the machine permits.
+    /// What the machine permits and the material bears.
     pub fn check(&self) -> gcode::CheckSettings {
-        let controller = &self.machine.controller;
-        gcode::CheckSettings {
-            work_area: self.reach(),
-            max_s: controller.max_s,
-            max_rate_mm_per_min: controller.max_rate_mm_per_min,
-        }
+        check_settings(&self.machine, Some(&self.pairing))
     }
 
     /// How fast it moves.
     pub fn limits(&self) -> gcode::Limits {
-        let controller = &self.machine.controller;
-        gcode::Limits {
-            max_rate_mm_per_min: controller.max_rate_mm_per_min,
-            acceleration_mm_per_s2: controller.acceleration_mm_per_s2,
-            junction_deviation_mm: controller.junction_deviation_mm,
-            arc_tolerance_mm: controller.arc_tolerance_mm,
-            planner_blocks: controller.planner_blocks as usize,
-            // Ten bits a byte: start, eight, stop.
-            bytes_per_s: f64::from(controller.baud) / 10.0,
-            rx_bytes: controller.rx_bytes as usize,
-            line_s: controller.line_ms / 1000.0,
-        }
+        limits(&self.machine)
+    }
+}
+
+/// What a machine permits and, when it is known, what the material on it bears. Work X0 Y0 lies in the machine's origin corner.
+pub fn check_settings(machine: &Machine, pairing: Option<&Pairing>) -> gcode::CheckSettings {
+    let [width, height] = machine.reach_mm();
+    let least = match machine.origin {
+        Corner::FrontLeft => P2::new(0.0, 0.0),
+        Corner::FrontRight => P2::new(-width, 0.0),
+        Corner::BackLeft => P2::new(0.0, -height),
+        Corner::BackRight => P2::new(-width, -height),
+    };
+    let controller = &machine.controller;
+    let keep_out = |k: &config::KeepOut| {
+        let min = P2::new(k.x_mm, k.y_mm);
+        (k.name.clone(), Rect { min, max: P2::new(k.x_mm + k.width_mm, k.y_mm + k.height_mm) })
+    };
+    let energy = |pairing: &Pairing| {
+        let full_power_w = machine.tool.optical_power_w?;
+        Some(gcode::Energy { full_power_w, cut_j_per_mm: pairing.cut.energy_j_per_mm(full_power_w) })
+    };
+    gcode::CheckSettings {
+        work_area: Rect { min: least, max: P2::new(least.x + width, least.y + height) },
+        travel_z_mm: controller.max_travel_mm[2],
+        keep_outs: machine.keep_outs.iter().map(keep_out).collect(),
+        max_s: controller.max_s,
+        limits: limits(machine),
+        laser: machine.tool.class.is_laser(),
+        laser_mode: controller.laser_mode,
+        mist: machine.air.is_some_and(|air| [air.low, air.high].contains(&AirCode::M7)),
+        // Below its floor a diode is only weak; a CO2 tube goes out.
+        strike_floor: if machine.tool.class == ToolClass::Co2 { machine.tool.power_floor } else { 0.0 },
+        energy: pairing.filter(|_| machine.tool.class.is_laser()).and_then(energy),
+    }
+}
+
+/// How fast a machine moves and is fed.
+pub fn limits(machine: &Machine) -> gcode::Limits {
+    let controller = &machine.controller;
+    gcode::Limits {
+        max_rate_mm_per_min: controller.max_rate_mm_per_min,
+        acceleration_mm_per_s2: controller.acceleration_mm_per_s2,
+        junction_deviation_mm: controller.junction_deviation_mm,
+        arc_tolerance_mm: controller.arc_tolerance_mm,
+        planner_blocks: controller.planner_blocks as usize,
+        // Ten bits a byte: start, eight, stop.
+        bytes_per_s: f64::from(controller.baud) / 10.0,
+        rx_bytes: controller.rx_bytes as usize,
+        line_s: controller.line_ms / 1000.0,
     }
 }

@@ -97,7 +97,7 @@ fn program(
     let header = header(number, count, stock, &toolpath, time_s, setup, order);
     let program = write(&header)?;
     let moves = read(&program)?;
-    if let Some(finding) = gcode::check(&moves, &setup.check()).into_iter().next() {
+    if let Some(finding) = gcode::check(&program, &setup.check()).errors.into_iter().next() {
         return Err(Error::Check { sheet: sheet(), finding });
     }
     Ok(CutSheet { stock: stock.to_owned(), file, layout, drawings, toolpath, program, moves, time_s })

@@ -1,0 +1,9 @@
+( Made by hand in inches )
+G20 G90 G61 G40
+G0 X0.5 Y0.5
+N10 M3 S250
+N20 G1 F30.0 X1.25
+N30 Y1.0
+N40 X0.5 Y0.5
+N50 M5
+N60 M30

@@ -1,0 +1,21 @@
+(1001)
+(Machine)
+(  vendor: generic)
+(T1  D=0.15 - laser cutter)
+G90 G94
+G17
+G21
+G54
+
+(2D Profile1)
+M4 S0
+G0 X15.2 Y10
+G1 X15.2 Y10 S400 F900
+G3 X14.8 Y10.4 I-0.4 J0
+G1 X-0 Y10.4 F900
+G3 X0.0001 Y10 R0.2001
+G1 X15.2
+M5
+M9
+G53 G0 X0 Y0
+M30
