@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
 use furbelow::config::Library;
-use furbelow::gcode::{CheckSettings, Checker, Energy, estimate, parse, trace};
+use furbelow::gcode::{CheckSettings, Checker, Energy, check, estimate, parse, trace};
 use furbelow::geom::{P2, Rect};
 use furbelow::job::check_settings;
 
@@ -239,7 +239,8 @@ fn wrong(input: &[u8], settings: &CheckSettings) -> Option<String> {
     if timing.move_s.iter().any(|s| bad(*s)) || bad(timing.total_s) {
         return Some("a move takes no finite time".into());
     }
-    // Alike but for lines that only the check refuses: too long for GRBL.
+    // Both read what was written; only the check refuses lines that are too long for GRBL.
+    let report = check(&program, settings);
     let alike = report.errors.iter().any(|e| e.code.starts_with("error:"))
         || (timing.total_s - report.time_s).abs() <= 1e-6 * timing.total_s.max(1.0);
     (!alike).then(|| format!("check says {} s and the planner {} s", report.time_s, timing.total_s))

@@ -56,7 +56,7 @@ fn files_of_other_programs_raise_no_false_alarms() {
         ("lasergrbl-vector.nc", "diode-400", &["no-units"], 160.0 + 31.416),
         ("lasergrbl-raster.nc", "diode-400", &["no-units"], 0.8),
         ("inkscape-laser.nc", "diode-400", &[], 17.8 + 6.283 + 7.75),
-        ("fusion-grbl.nc", "diode-400", &["place-unknown"], 0.628 + 14.8 + 0.628 + 15.2),
+        ("fusion-grbl.nc", "diode-400", &["place-unknown"], 0.628 + 9.8 + 0.628 + 10.2),
         ("cambam-inch.nc", "diode-400", &[], 25.4 * (0.75 + 0.5 + 0.9014)),
         ("vcarve-style.nc", "diode-400", &[], 40.0 + 15.708 + 30.0),
         ("servo-pen.nc", &pen, &[], 80.0),
