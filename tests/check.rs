@@ -1,5 +1,6 @@
 //! `furbelow check` on files of many programs: the real binary, its exit codes and its JSON.
 
+use std::f64::consts::{PI, TAU};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -52,13 +53,13 @@ fn files_of_other_programs_raise_no_false_alarms() {
     let pen = pen.display().to_string();
     // What is said is true of each: their travels rely on laser mode, their modes or places on what the machine happens to hold.
     let expected: [(&str, &str, &[&str], f64); 8] = [
-        ("lightburn-grbl.nc", "diode-400", &["laser-on-travel"], 200.0 + 62.832),
-        ("lasergrbl-vector.nc", "diode-400", &["no-units"], 160.0 + 31.416),
+        ("lightburn-grbl.nc", "diode-400", &["laser-on-travel"], 200.0 + 20.0 * PI),
+        ("lasergrbl-vector.nc", "diode-400", &["no-units"], 160.0 + 10.0 * PI),
         ("lasergrbl-raster.nc", "diode-400", &["no-units"], 0.8),
-        ("inkscape-laser.nc", "diode-400", &[], 17.8 + 6.283 + 7.75),
-        ("fusion-grbl.nc", "diode-400", &["place-unknown"], 0.628 + 9.8 + 0.628 + 10.2),
+        ("inkscape-laser.nc", "diode-400", &[], 17.8 + TAU + 7.75),
+        ("fusion-grbl.nc", "diode-400", &["place-unknown"], 0.2 * PI + 9.8 + 0.2 * PI + 10.2),
         ("cambam-inch.nc", "diode-400", &[], 25.4 * (0.75 + 0.5 + 0.9014)),
-        ("vcarve-style.nc", "diode-400", &[], 40.0 + 15.708 + 30.0),
+        ("vcarve-style.nc", "diode-400", &[], 40.0 + 5.0 * PI + 30.0),
         ("servo-pen.nc", &pen, &[], 80.0),
     ];
     assert_eq!(std::fs::read_dir(dialects()).expect("there").count(), expected.len());

@@ -8,6 +8,7 @@ use std::io::{BufRead, Read};
 
 use super::burn::Burn;
 use super::finding::{Finding, Findings};
+use super::held_feed::HeldFeed;
 use super::line_rules::LineRules;
 use super::move_rules::MoveRules;
 use super::parse::{column_of_word, parse_line};
@@ -117,6 +118,7 @@ struct Sums {
     pending: VecDeque<(usize, Move)>,
     /// The move the last stretch belonged to, and what it did so far.
     burn: Burn,
+    held: HeldFeed,
     lit: LitTime,
     time_s: f64,
     cut_mm: f64,
@@ -223,6 +225,7 @@ impl<'a> Checker<'a> {
         self.planner.finish(&mut |stretch| sums.take(&stretch, settings));
         sums.burn.end_move(settings);
         sums.burn.tell(settings, &mut notes);
+        sums.held.tell(&mut notes);
         self.move_rules.end(self.lines, self.tracer.beam_left(), settings, &mut notes);
         Report {
             errors: notes.errors.finish(),
@@ -259,6 +262,7 @@ impl Sums {
         let Some((_, m)) = self.pending.front() else { return };
         self.lit.add(m, stretch.seconds);
         self.burn.add(m, stretch, settings);
+        self.held.add(m, stretch);
     }
 }
 

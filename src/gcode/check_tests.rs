@@ -179,3 +179,18 @@ fn a_file_without_line_feeds_is_one_line_however_long() {
     let report = read(&format!("G21G90\n{}\nG0X1", "X1".repeat(300_000)), &diode());
     assert_eq!((report.lines, told(&report.errors), report.travel_mm), (3, vec![("error:11", 2)], 1.0));
 }
+
+#[test]
+fn feeds_that_short_moves_cannot_reach_are_told_with_the_reason() {
+    let run = |step_mm: f64, more: &str| -> String {
+        let lines: String = (1..=500).map(|k| format!("X{:.3}{more}\n", step_mm * f64::from(k))).collect();
+        let report = read(&format!("G21G90\nM4S0\nG1F6000S100\n{lines}M5"), &diode());
+        assert_eq!(report.errors, []);
+        report.warnings.iter().map(|w| format!("{} {}\n", w.code, w.message)).collect()
+    };
+    assert!(run(0.3, "").contains("feed-held") && run(0.3, "").contains("too short a way"), "{}", run(0.3, ""));
+    assert!(run(0.1, "").contains("read lines fast enough"), "{}", run(0.1, ""));
+    assert_eq!(run(0.8, ""), "");
+    let wordy = "Y0.000000000000000000000000000000000000000000000000000000000000000000";
+    assert!(run(0.4, wordy).contains("arrive fast enough"), "{}", run(0.4, wordy));
+}

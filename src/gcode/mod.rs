@@ -15,6 +15,7 @@ mod check;
 mod emit;
 mod feeder;
 mod finding;
+mod held_feed;
 mod line_rules;
 mod move_rules;
 mod moves;

@@ -60,6 +60,10 @@ pub fn parse_line(text: &str, number: usize) -> Result<Line, ParseError> {
             Token::Other(found) => return Err(fail(at, NO_LETTER, &found.to_string())),
         }
     }
+    // A carriage return or blanks at the end are no part of what is said.
+    if let Some(comment) = &mut line.comment {
+        comment.truncate(comment.trim_end().len());
+    }
     Ok(line)
 }
 
@@ -194,6 +198,14 @@ mod tests {
         assert_eq!(comments, [Some("furbelow 0.1.0"), Some("a $ b c d ; e"), None, Some("open G1")]);
         assert_eq!(program.lines[1].words.len(), 2);
         assert!(program.lines[3].words.is_empty());
+    }
+
+    #[test]
+    fn a_comment_that_ends_in_blanks_reads_back_as_it_is_written() {
+        for text in [";\r", "; a \t\r", "( ) ; ", "G1 (x ) ;"] {
+            let program = parse(text).unwrap();
+            assert_eq!(parse(&program.to_string()).unwrap(), program, "{text:?}");
+        }
     }
 
     #[test]
