@@ -71,14 +71,9 @@ impl Feeder {
         self.bytes_under_way += bytes;
     }
 
-    /// The line taken last is answered only now: its reader waits for a place in the planner's buffer.
-    pub(super) fn wait_for_place(&mut self, free_s: f64) {
-        self.last.read_s = self.last.read_s.max(free_s);
-    }
-
-    /// The line taken last is answered only now: its reader waits for the machine to rest.
-    pub(super) fn wait_until(&mut self, rest_s: f64) {
-        self.wait_for_place(rest_s);
+    /// The line taken last is done with no sooner than this: its reader waits for a place in the planner's buffer, or for the machine to rest.
+    pub(super) fn wait_until(&mut self, time_s: f64) {
+        self.last.read_s = self.last.read_s.max(time_s);
     }
 
     /// The answer to the last line goes out when it has been carried out.

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! Toolpath --emit--> Program --trace--> moves --estimate--> times
-//!        text --parse--^                  '-----check-----> findings
+//!        text --parse--^
+//!        file --Checker, line by line, through the same interpreter and planner--> Report
 //! ```
 //!
 //! [`trace`] is the only interpreter of G-code in the house; whoever wants to know what a program does reads its [`Move`]s.

@@ -221,7 +221,7 @@ impl Planner {
         if self.queue.len() + self.done_s.len() >= places
             && let Some(free_s) = self.done_s.get(self.queue.len() + self.done_s.len() - places)
         {
-            self.feeder.wait_for_place(*free_s);
+            self.feeder.wait_until(*free_s);
         }
         let arrival = self.feeder.last();
         self.queue.push_back(Block { index, length_mm, nominal, acceleration, max_entry_squared, arrival });
