@@ -9,6 +9,7 @@ mod files;
 mod machine;
 mod make;
 mod output;
+mod preview;
 mod profile;
 
 use std::error::Error;
@@ -32,6 +33,8 @@ pub enum Command {
     Make(make::Args),
     /// Check G-code, of this or another program, against a machine: reach, power, feeds, time
     Check(check::Args),
+    /// Look at what a machine will do with a G-code file: a page that plays it, or a picture
+    Preview(preview::Args),
     /// Cutters: list them, show one, check a file of your own
     #[command(subcommand)]
     Machine(files::Command),
@@ -48,6 +51,7 @@ impl Command {
         match self {
             Command::Make(args) => make::run(args),
             Command::Check(args) => check::run(&args),
+            Command::Preview(args) => preview::run(args),
             Command::Machine(command) => machine::run(command),
             Command::Profile(command) => profile::run(command),
             Command::Completions(args) => completions::run(args),

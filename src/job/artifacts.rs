@@ -4,9 +4,9 @@ use super::output::Stage;
 use super::settings::Setup;
 use super::sheets::Sheets;
 use super::strips::Strips;
-use super::{Error, Order, Realised, pictures, ruffle_json};
+use super::{Error, Order, Realised, dry_run, pictures, ruffle_json};
 use crate::drawing;
-use crate::preview::Canvas;
+use crate::preview::{Canvas, Run};
 use crate::progress::{Observer, Progress};
 
 /// Room around a piece in its own drawing, mm.
@@ -43,14 +43,18 @@ pub(super) fn write(
         let dxf = drawing::dxf(std::slice::from_ref(&piece.drawing));
         stage.write(&format!("strips/{}.dxf", piece.name), dxf.as_bytes())?;
     }
-    for sheet in &sheets.sheets {
+    let runs: Vec<Run> = sheets.sheets.iter().map(|sheet| dry_run::run(sheet, setup)).collect();
+    for (sheet, run) in sheets.sheets.iter().zip(&runs) {
         wrote(&sheet.file);
         let name = |ending: &str| format!("sheets/{}.{ending}", sheet.file);
         let svg = drawing::sheet_svg(sheet.layout.width_mm, sheet.layout.height_mm, &sheet.drawings);
         stage.write(&name("svg"), svg.as_bytes())?;
         stage.write(&name("dxf"), drawing::dxf(&sheet.drawings).as_bytes())?;
         stage.write(&name("nc"), sheet.program.to_string().as_bytes())?;
-        png(stage, &name("png"), &pictures::sheet(sheet, setup), pictures::SHEET_PX)?;
+        png(stage, &name("png"), &pictures::sheet(sheet, run, setup), pictures::SHEET_PX)?;
+    }
+    if let Some(page) = dry_run::page(&order.name(), &runs, setup)? {
+        stage.write(dry_run::PAGE, page.as_bytes())?;
     }
     Ok(())
 }

@@ -55,10 +55,18 @@ pub enum Error {
         /// Why.
         source: crate::gcode::Error,
     },
-    /// The program that was written cannot be read back.
+    /// A file is no G-code.
+    #[error("{file}: {source}")]
+    Parse {
+        /// The file.
+        file: String,
+        /// Where and why.
+        source: crate::gcode::ParseError,
+    },
+    /// A program cannot be carried out.
     #[error("{sheet}: {source}")]
     Trace {
-        /// The sheet.
+        /// The sheet or file.
         sheet: String,
         /// Why.
         source: crate::gcode::TraceError,
@@ -132,7 +140,7 @@ impl Error {
         match self {
             Error::Config(e) => e.refuses_job(),
             Error::Design(_) | Error::Mesh(_) | Error::UnknownStock { .. } => false,
-            Error::ForeignDesign { .. } | Error::File { .. } => false,
+            Error::ForeignDesign { .. } | Error::Parse { .. } | Error::File { .. } => false,
             _ => true,
         }
     }

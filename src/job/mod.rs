@@ -8,6 +8,7 @@
 //! their folder and renamed at the end, so a failure leaves what was there before.
 
 mod artifacts;
+mod dry_run;
 mod error;
 mod order;
 mod output;
@@ -20,6 +21,7 @@ mod sheets;
 mod stock;
 mod strips;
 
+pub use dry_run::{Form, Look, Looked, look};
 pub use error::Error;
 pub use order::{Order, Overrides};
 pub use realise::{Realised, realise};
@@ -61,6 +63,7 @@ pub fn make(order: &Order, library: &Library, out_dir: &Path, observer: &mut dyn
     warnings.extend(realised.warnings.iter().cloned());
     warnings.extend(strips.warnings.iter().cloned());
     warnings.extend(sheets.warnings.iter().cloned());
+    warnings.extend(dry_run::warning(&sheets.sheets));
     if observer.stopped {
         warnings.push(Warning::new("stopped-early", "stopped by you: this is the best found until then"));
     }

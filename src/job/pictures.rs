@@ -1,12 +1,14 @@
 //! Pictures of parts and sheets.
 
+use super::dry_run;
 use super::settings::Setup;
 use super::sheets::{CutSheet, minutes};
 use crate::drawing::Operation;
 use crate::fit::{FootUsed, Part};
-use crate::gcode::{Action, Move};
-use crate::geom::{P2, Rect};
-use crate::preview::{Canvas, MoveKind, PartView, SheetMove, SheetView, part_canvas, sheet_canvas};
+use crate::gcode::Move;
+use crate::preview::{
+    Canvas, MoveKind, PartView, Pen, Run, SheetMove, SheetView, flattened, part_canvas, sheet_canvas,
+};
 use crate::toolpath::Toolpath;
 
 /// Longer side of a part's PNG, pixels.
@@ -47,23 +49,22 @@ pub(super) fn part(part: &Part) -> Canvas {
 }
 
 /// What the machine will do on a sheet, drawn from the program's own moves.
-pub(super) fn sheet(sheet: &CutSheet, setup: &Setup) -> Canvas {
-    let moves: Vec<SheetMove> =
-        kinds(&sheet.moves, &sheet.toolpath).map(|(m, kind)| SheetMove { points: flattened(m), kind }).collect();
-    let piece_names = sheet
-        .drawings
-        .iter()
-        .map(|d| (d.outline().map_or(Rect::EMPTY, |o| o.bounds()).center(), d.name.clone()))
+pub(super) fn sheet(sheet: &CutSheet, run: &Run, setup: &Setup) -> Canvas {
+    let moves: Vec<SheetMove> = kinds(&sheet.moves, &sheet.toolpath)
+        .map(|(m, kind)| SheetMove { points: flattened(m), pen: kind as usize })
         .collect();
+    let pens: Vec<Pen> = MoveKind::ALL.map(MoveKind::pen).into();
+    let bed = dry_run::bed(&setup.machine);
     let cut = &setup.pairing.cut;
     let title = format!("{} ({}, {})", sheet.file, sheet.stock, setup.profile.name);
     sheet_canvas(&SheetView {
         title: &title,
-        width_mm: sheet.layout.width_mm,
-        height_mm: sheet.layout.height_mm,
-        reach: Some(setup.reach()),
+        stock: run.stock.as_ref(),
+        reach: Some(bed.reach),
+        keep_outs: &bed.keep_outs,
+        pens: &pens,
         moves: &moves,
-        piece_names,
+        piece_names: run.labels.clone(),
         legend: vec![
             format!("planned time {}", minutes(sheet.time_s)),
             format!(
@@ -76,21 +77,6 @@ pub(super) fn sheet(sheet: &CutSheet, setup: &Setup) -> Canvas {
             ),
         ],
     })
-}
-
-/// Chords of a move may leave its curve by this much, mm: well under a pixel.
-const PICTURE_MM: f64 = 0.02;
-
-/// The way of a move as points.
-fn flattened(m: &Move) -> Vec<P2> {
-    let steps = match m.action {
-        Action::Arc { radius_mm, .. } => {
-            let chord = 2.0 * (2.0 * PICTURE_MM * radius_mm).sqrt();
-            ((m.length_mm() / chord).ceil() as usize).max(1)
-        }
-        _ => 1,
-    };
-    (0..=steps).map(|i| m.point_at(i as f64 / steps as f64).xy()).collect()
 }
 
 /// Tells engraving, inner cuts and outlines apart: the program makes them in this order, so the length burnt so far says which it is.

@@ -1,16 +1,26 @@
 //! Pictures for people: the folded ruffle in its outline, and what the machine will do to a sheet. As SVG and as PNG, both from one
-//! [`Canvas`], so that they cannot differ.
+//! [`Canvas`], so that they cannot differ; and as an HTML page that plays a program at the machine's own speed.
 
 mod canvas;
+mod html;
 mod labels;
+mod pace;
+mod pack;
 mod part;
 mod png;
+mod run;
+mod run_canvas;
+mod shade;
 mod sheet;
 mod svg;
 
 pub use canvas::{Align, Canvas, Colour, Stroke, Text};
+pub use html::{MAX_MOVES, html};
 pub use part::{PartView, part_canvas};
-pub use sheet::{MoveKind, SheetMove, SheetView, sheet_canvas};
+pub use run::{Bed, GrainRun, Run, Stock};
+pub use run_canvas::{flattened, run_canvas};
+pub use shade::ColorBy;
+pub use sheet::{MoveKind, Pen, SheetMove, SheetView, sheet_canvas};
 
 /// Why a picture could not be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -34,6 +44,16 @@ pub enum Error {
         height_px: u32,
         /// The most a side may have.
         limit_px: u32,
+    },
+    /// More moves than a browser shows without stuttering.
+    #[error(
+        "an HTML preview of {moves} moves was asked for; it holds up to {limit}. Ask for a picture (--out FILE.png or FILE.svg shows all of them), or split the program"
+    )]
+    TooManyMoves {
+        /// In all programs together.
+        moves: usize,
+        /// The most there may be.
+        limit: usize,
     },
     /// The encoder failed.
     #[error("the PNG could not be encoded: {0}")]

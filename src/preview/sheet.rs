@@ -1,5 +1,6 @@
 //! The picture of what the machine does to one sheet.
 
+use super::Stock;
 use super::canvas::{Align, Canvas, Colour, Stroke, Text};
 use crate::drawing::text_width;
 use crate::geom::{P2, Path, Rect, V2};
@@ -19,24 +20,37 @@ pub enum MoveKind {
 
 impl MoveKind {
     /// All kinds, in the order they are drawn: what matters most lies on top.
-    const ALL: [MoveKind; 4] = [MoveKind::Travel, MoveKind::Engrave, MoveKind::CutInner, MoveKind::CutOutline];
+    pub const ALL: [MoveKind; 4] = [MoveKind::Travel, MoveKind::Engrave, MoveKind::CutInner, MoveKind::CutOutline];
 
-    fn word(self) -> &'static str {
-        match self {
-            MoveKind::Travel => "travel",
-            MoveKind::Engrave => "engrave",
-            MoveKind::CutInner => "inner cuts",
-            MoveKind::CutOutline => "outlines",
-        }
+    /// How it is drawn and called.
+    pub fn pen(self) -> Pen {
+        let (name, colour, weight) = match self {
+            MoveKind::Travel => ("travel", Colour::TRAVEL, 0.1),
+            MoveKind::Engrave => ("engrave", Colour::INK, 0.1),
+            MoveKind::CutInner => ("inner cuts", Colour::BLUE, 0.15),
+            MoveKind::CutOutline => ("outlines", Colour::RED, 0.17),
+        };
+        Pen { name: name.into(), colour, weight, dashed: self == MoveKind::Travel }
     }
+}
 
-    fn stroke(self, pen: f64) -> Stroke {
-        match self {
-            MoveKind::Travel => Stroke::new(Colour::TRAVEL, 0.1 * pen).dashed(0.7 * pen, 0.5 * pen),
-            MoveKind::Engrave => Stroke::new(Colour::INK, 0.1 * pen),
-            MoveKind::CutInner => Stroke::new(Colour::BLUE, 0.15 * pen),
-            MoveKind::CutOutline => Stroke::new(Colour::RED, 0.17 * pen),
-        }
+/// How moves of one sort are drawn, and what the key calls them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pen {
+    /// In the key.
+    pub name: String,
+    /// Of the line.
+    pub colour: Colour,
+    /// Width of the line, hundredths of the sheet's longer side.
+    pub weight: f64,
+    /// Broken, as for what is not cut.
+    pub dashed: bool,
+}
+
+impl Pen {
+    fn stroke(&self, unit: f64) -> Stroke {
+        let stroke = Stroke::new(self.colour, self.weight * unit);
+        if self.dashed { stroke.dashed(0.7 * unit, 0.5 * unit) } else { stroke }
     }
 }
 
@@ -45,8 +59,8 @@ impl MoveKind {
 pub struct SheetMove {
     /// Where it runs, mm, sheet frame.
     pub points: Vec<P2>,
-    /// What it does.
-    pub kind: MoveKind,
+    /// Index of its pen in the view's.
+    pub pen: usize,
 }
 
 /// What a sheet's picture shows; sheet frame (x right, y up, origin at the bottom left), mm.
@@ -54,18 +68,31 @@ pub struct SheetMove {
 pub struct SheetView<'a> {
     /// Heading: which sheet of which job.
     pub title: &'a str,
-    /// Size of the stock along x.
-    pub width_mm: f64,
-    /// Size of the stock along y.
-    pub height_mm: f64,
+    /// The stock, when it is known.
+    pub stock: Option<&'a Stock>,
     /// What the machine reaches, less margins, when it is to be shown.
     pub reach: Option<Rect>,
+    /// What stands on the bed.
+    pub keep_outs: &'a [(String, Rect)],
+    /// The sorts of moves there are, in drawing order.
+    pub pens: &'a [Pen],
     /// All moves in the order they are made.
     pub moves: &'a [SheetMove],
     /// Names of the pieces and where to letter them (the middle of the text).
     pub piece_names: Vec<(P2, String)>,
     /// Further lines under the key: time, material, stock.
     pub legend: Vec<String>,
+}
+
+impl SheetView<'_> {
+    /// The stock, or without one what is drawn.
+    fn sheet(&self) -> Rect {
+        let drawn = || Rect::around(self.moves.iter().flat_map(|m| &m.points));
+        match self.stock {
+            Some(stock) => Rect::from_size(stock.width_mm, stock.height_mm),
+            None => Some(drawn()).filter(|r| !r.is_empty()).or(self.reach).unwrap_or(Rect::from_size(1.0, 1.0)),
+        }
+    }
 }
 
 // Sizes in hundredths of the sheet's longer side.
@@ -78,10 +105,11 @@ const SAMPLE: f64 = 4.0;
 /// Lines grow with the sheet only so far: on a long roll, cuts a few mm apart must not run together.
 const WIDEST_PEN_UNIT_MM: f64 = 8.0;
 
-/// Draws the sheet, the machine's reach, every move in the colour of what it does, where the run starts (green) and ends (red square),
-/// the pieces' names under it all, and a key with the length of each kind of move. The canvas is in the sheet frame and at true size.
+/// Draws the sheet with its grain, the machine's reach and what stands on it, every move with its pen, where the run starts (green) and ends
+/// (red square), the pieces' names under it all, and a key with the length of each sort of move. The canvas is in the sheet frame and at true
+/// size.
 pub fn sheet_canvas(view: &SheetView) -> Canvas {
-    let sheet = Rect::from_size(view.width_mm, view.height_mm);
+    let sheet = view.sheet();
     let unit = 0.01 * sheet.width().max(sheet.height()).max(1e-3);
     let (texts, samples) = legend(view, &sheet, unit);
     let drawn = Rect::around(view.moves.iter().flat_map(|m| &m.points));
@@ -91,20 +119,31 @@ pub fn sheet_canvas(view: &SheetView) -> Canvas {
     }
     let mut canvas = Canvas::new(area.grown(MARGIN * unit));
 
-    canvas.frame(&sheet, None, Some(Stroke::new(Colour::GREY, 0.2 * unit)));
+    if view.stock.is_some() {
+        canvas.frame(&sheet, None, Some(Stroke::new(Colour::GREY, 0.2 * unit)));
+    }
     if let Some(reach) = &view.reach {
         canvas.frame(reach, None, Some(Stroke::new(Colour::PALE, 0.12 * unit).dashed(1.2 * unit, 0.8 * unit)));
+    }
+    for (name, rect) in view.keep_outs {
+        canvas.frame(rect, Some(Colour::PALE), Some(Stroke::new(Colour::GREY, 0.12 * unit)));
+        let at = rect.min + V2::new(0.0, -(TEXT + 0.5) * unit);
+        canvas.text(Text { at, align: Align::Left, height_mm: TEXT * unit, colour: Colour::GREY, text: name });
+    }
+    if let Some(grain) = view.stock.and_then(|stock| stock.grain) {
+        draw_grain(&mut canvas, &sheet, grain.along_x, unit);
     }
     for (at, text) in &view.piece_names {
         let at = at - V2::new(0.0, 0.5 * NAME * unit);
         canvas.text(Text { at, align: Align::Middle, height_mm: NAME * unit, colour: Colour::PALE, text });
     }
-    for kind in MoveKind::ALL {
-        canvas.curves(chains(view.moves, kind), kind.stroke(unit.min(WIDEST_PEN_UNIT_MM)));
+    for (index, pen) in view.pens.iter().enumerate() {
+        canvas.curves(chains(view.moves, index), pen.stroke(unit.min(WIDEST_PEN_UNIT_MM)));
     }
     draw_ends(&mut canvas, view.moves, unit);
-    for (at, kind) in samples {
-        canvas.polyline(&[at, at + V2::new(SAMPLE * unit, 0.0)], Stroke { width_mm: 0.25 * unit, ..kind.stroke(unit) });
+    for (at, pen) in samples {
+        let stroke = Stroke { width_mm: 0.25 * unit, ..pen.stroke(unit) };
+        canvas.polyline(&[at, at + V2::new(SAMPLE * unit, 0.0)], stroke);
     }
     for text in &texts {
         canvas.text(text.as_text());
@@ -112,10 +151,25 @@ pub fn sheet_canvas(view: &SheetView) -> Canvas {
     canvas
 }
 
-/// Moves of one kind as curves; moves that go on where the last one ended become one curve.
-fn chains(moves: &[SheetMove], kind: MoveKind) -> Vec<Path> {
+/// A double arrow along the grain in the sheet's upper right corner, where nesting fills last.
+fn draw_grain(canvas: &mut Canvas, sheet: &Rect, along_x: bool, unit: f64) {
+    let stroke = Stroke::new(Colour::GREY, 0.15 * unit);
+    let (along, across) = if along_x { (V2::x(), V2::y()) } else { (V2::y(), V2::x()) };
+    let tip = sheet.max - (along + across) * (1.5 * unit);
+    let tail = tip - along * (9.0 * unit);
+    canvas.polyline(&[tail, tip], stroke);
+    for (end, back) in [(tip, -along), (tail, along)] {
+        let barbs = [1.0, -1.0].map(|side| end + (back * 1.2 + across * 0.5 * side) * unit);
+        canvas.polyline(&[barbs[0], end, barbs[1]], stroke);
+    }
+    let at = tip - V2::new(0.0, (TEXT + 1.0) * unit) - if along_x { V2::zeros() } else { V2::new(unit, 0.0) };
+    canvas.text(Text { at, align: Align::Right, height_mm: TEXT * unit, colour: Colour::GREY, text: "grain" });
+}
+
+/// Moves of one pen as curves; moves that go on where the last one ended become one curve.
+fn chains(moves: &[SheetMove], pen: usize) -> Vec<Path> {
     let mut chains: Vec<Vec<P2>> = Vec::new();
-    for m in moves.iter().filter(|m| m.kind == kind && !m.points.is_empty()) {
+    for m in moves.iter().filter(|m| m.pen == pen && !m.points.is_empty()) {
         match chains.last_mut() {
             Some(chain) if chain.last() == m.points.first() => chain.extend(&m.points[1..]),
             _ => chains.push(m.points.clone()),
@@ -154,28 +208,28 @@ impl Line {
 }
 
 /// Title above the sheet; key and further lines below it. Key entries run on along the sheet's width and break where it ends.
-fn legend(view: &SheetView, sheet: &Rect, unit: f64) -> (Vec<Line>, Vec<(P2, MoveKind)>) {
+fn legend<'a>(view: &SheetView<'a>, sheet: &Rect, unit: f64) -> (Vec<Line>, Vec<(P2, &'a Pen)>) {
     let mut lines = Vec::new();
     let mut samples = Vec::new();
     if !view.title.is_empty() {
-        let at = P2::new(0.0, sheet.max.y.max(view.reach.map_or(0.0, |r| r.max.y)) + 1.2 * unit);
+        let at = P2::new(sheet.min.x.min(0.0), sheet.max.y.max(view.reach.map_or(0.0, |r| r.max.y)) + 1.2 * unit);
         lines.push(Line { at, height_mm: TITLE * unit, colour: Colour::INK, text: view.title.to_owned() });
     }
-    let (left, feed) = (0.0, (TEXT + LINE_FEED) * unit);
+    let (left, feed) = (sheet.min.x.min(0.0), (TEXT + LINE_FEED) * unit);
     let bottom = sheet.min.y.min(view.reach.map_or(0.0, |r| r.min.y));
     let mut at = P2::new(left, bottom - (TEXT + 1.6) * unit);
-    for kind in MoveKind::ALL {
-        let of_kind = view.moves.iter().filter(|m| m.kind == kind);
-        let length_mm: f64 = of_kind.flat_map(|m| m.points.windows(2)).map(|w| (w[1] - w[0]).norm()).sum();
+    for (index, pen) in view.pens.iter().enumerate() {
+        let of_pen = view.moves.iter().filter(|m| m.pen == index);
+        let length_mm: f64 = of_pen.flat_map(|m| m.points.windows(2)).map(|w| (w[1] - w[0]).norm()).sum();
         if length_mm == 0.0 {
             continue;
         }
-        let text = format!("{} {}", kind.word(), people_length(length_mm));
+        let text = format!("{} {}", pen.name, people_length(length_mm));
         let entry_mm = SAMPLE * unit + unit + text_width(&text, TEXT * unit);
         if at.x > left && at.x + entry_mm > sheet.max.x {
             at = P2::new(left, at.y - feed);
         }
-        samples.push((at + V2::new(0.0, 0.5 * TEXT * unit), kind));
+        samples.push((at + V2::new(0.0, 0.5 * TEXT * unit), pen));
         let beside = at + V2::new((SAMPLE + 1.0) * unit, 0.0);
         lines.push(Line { at: beside, height_mm: TEXT * unit, colour: Colour::INK, text });
         at.x += entry_mm + 3.0 * unit;
@@ -195,12 +249,13 @@ fn people_length(length_mm: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::GrainRun;
     use super::*;
     use tiny_skia::Pixmap;
 
     fn moves() -> Vec<SheetMove> {
         let p = |x, y| P2::new(x, y);
-        let m = |points: Vec<P2>, kind| SheetMove { points, kind };
+        let m = |points: Vec<P2>, kind| SheetMove { points, pen: kind as usize };
         vec![
             m(vec![p(0.0, 0.0), p(20.0, 20.0)], MoveKind::Travel),
             m(vec![p(20.0, 20.0), p(60.0, 20.0)], MoveKind::Engrave),
@@ -211,11 +266,20 @@ mod tests {
         ]
     }
 
-    fn view<'a>(moves: &'a [SheetMove], title: &'a str) -> SheetView<'a> {
+    fn pens() -> Vec<Pen> {
+        MoveKind::ALL.map(MoveKind::pen).into()
+    }
+
+    fn stock(width_mm: f64, height_mm: f64) -> Stock {
+        Stock { name: "A4".into(), width_mm, height_mm, grain: Some(GrainRun { along_x: true, known: true }) }
+    }
+
+    fn view<'a>(stock: &'a Stock, pens: &'a [Pen], moves: &'a [SheetMove], title: &'a str) -> SheetView<'a> {
         SheetView {
             title,
-            width_mm: 200.0,
-            height_mm: 100.0,
+            stock: Some(stock),
+            keep_outs: &[],
+            pens,
             reach: Some(Rect::from_size(200.0, 100.0).grown(-5.0)),
             moves,
             piece_names: vec![(P2::new(150.0, 50.0), "A1".into())],
@@ -225,8 +289,8 @@ mod tests {
 
     #[test]
     fn every_kind_of_move_has_its_colour_and_the_run_its_ends() {
-        let moves = moves();
-        let canvas = sheet_canvas(&view(&moves, "sheet 1"));
+        let (stock, pens, moves) = (stock(200.0, 100.0), pens(), moves());
+        let canvas = sheet_canvas(&view(&stock, &pens, &moves, "sheet 1"));
         let pixmap = Pixmap::decode_png(&canvas.to_png(4000).unwrap()).unwrap();
         let scale = f64::from(pixmap.width()) / canvas.area.width();
         let at = |x: f64, y: f64| {
@@ -241,38 +305,34 @@ mod tests {
         assert_eq!(at(10.0, 50.0), Colour::RED);
         assert_eq!(at(11.0, 51.0), Colour::RED, "the end is a square of some size");
         assert_eq!(at(120.0, 70.0), Colour::WHITE);
+        assert_eq!(at(190.0, 97.0), Colour::GREY, "the grain's arrow");
     }
 
     #[test]
     fn moves_that_go_on_become_one_curve_and_others_do_not() {
         let moves = moves();
-        let outline = chains(&moves, MoveKind::CutOutline);
+        let outline = chains(&moves, MoveKind::CutOutline as usize);
         assert_eq!((outline.len(), outline[0].vertices.len()), (1, 3));
-        assert_eq!(chains(&moves, MoveKind::Travel).len(), 2);
+        assert_eq!(chains(&moves, MoveKind::Travel as usize).len(), 2);
     }
 
     #[test]
     fn the_key_tells_the_length_of_each_kind_made_and_no_other() {
-        let moves = moves();
+        let (stock, pens, moves) = (stock(200.0, 100.0), pens(), moves());
         let sheet = Rect::from_size(200.0, 100.0);
-        let (lines, samples) = legend(&view(&moves[1..2], "t"), &sheet, 2.0);
+        let (lines, samples) = legend(&view(&stock, &pens, &moves[1..2], "t"), &sheet, 2.0);
         let texts: Vec<&str> = lines.iter().map(|l| l.text.as_str()).collect();
         assert_eq!(texts, ["t", "engrave 40 mm", "12 min 3 s"]);
         assert_eq!(samples.len(), 1);
-        let (lines, _) = legend(&view(&moves, ""), &sheet, 2.0);
+        let (lines, _) = legend(&view(&stock, &pens, &moves, ""), &sheet, 2.0);
         assert!(lines.iter().any(|l| l.text == "outlines 130 mm"));
         assert_eq!(people_length(1234.0), "1.23 m");
     }
 
     #[test]
     fn nothing_is_clipped_on_a_narrow_sheet_with_a_long_title() {
-        let moves = moves();
-        let narrow = SheetView {
-            width_mm: 30.0,
-            height_mm: 120.0,
-            ..view(&moves, "sheet 1 of 12, stool, paper-160, diode-400")
-        };
-        let canvas = sheet_canvas(&narrow);
+        let (stock, pens, moves) = (stock(30.0, 120.0), pens(), moves());
+        let canvas = sheet_canvas(&view(&stock, &pens, &moves, "sheet 1 of 12, stool, paper-160, diode-400"));
         for shape in &canvas.shapes {
             let air = shape.stroke.map_or(0.0, |s| 0.5 * s.width_mm);
             let drawn = shape.paths.iter().fold(Rect::EMPTY, |r, p| r.union(p.bounds()));

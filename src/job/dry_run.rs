@@ -1,0 +1,247 @@
+//! Programs as people look at them before they cut: ours with their sheet, foreign ones with what their comments tell.
+
+use super::Error;
+use super::settings;
+use super::sheets::CutSheet;
+use super::stock::parse_stock;
+use crate::config::{Grain, Library, Machine, Profile, StockGrain};
+use crate::gcode::{self, Move, Program};
+use crate::geom::{P2, Rect, V2};
+use crate::preview::{Bed, ColorBy, GrainRun, MAX_MOVES, Run, Stock, html, run_canvas};
+use crate::progress::Warning;
+
+/// The machine a program is shown on when neither the user nor the program names one.
+const USUAL_MACHINE: &str = "diode-400";
+
+/// The page of a job, in its folder.
+pub(super) const PAGE: &str = "preview.html";
+
+/// A program to look at.
+#[derive(Debug, Clone, Copy)]
+pub struct Look<'a> {
+    /// What people call it: the file's name.
+    pub name: &'a str,
+    /// G-code, ours or foreign.
+    pub text: &'a str,
+    /// Name or path of the machine; else the one the program names.
+    pub machine: Option<&'a str>,
+    /// Name or path of the material; else the one the program names.
+    pub material: Option<&'a str>,
+}
+
+/// What a dry run is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// One page that plays it.
+    Html,
+    /// A drawing at true size.
+    Svg,
+    /// A picture of so many pixels on its longer side.
+    Png(u32),
+}
+
+/// A dry run and what it took for granted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Looked {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// Time the machine will take, s.
+    pub time_s: f64,
+    /// The machine it was planned for.
+    pub machine: String,
+    /// True when nobody named a machine.
+    pub guessed: bool,
+}
+
+/// Shows a program on its machine.
+///
+/// # Errors
+/// A machine or material that is not known, text that is no G-code, a program that GRBL would refuse, or one too large for a page.
+pub fn look(order: &Look, library: &Library, form: Form, by: ColorBy) -> Result<Looked, Error> {
+    let program = gcode::parse(order.text).map_err(|source| Error::Parse { file: order.name.into(), source })?;
+    let moves = gcode::trace(&program).map_err(|source| Error::Trace { sheet: order.name.into(), source })?;
+    let told = |key: &str| told(&program, key);
+    // A name in a comment may be of another computer's library; one on the command line must be known.
+    let known = |name: Option<&str>| name.and_then(|n| library.machine(n).ok());
+    let (machine, guessed) = match order.machine {
+        Some(name) => (library.machine(name)?, false),
+        None => match known(told("machine")) {
+            Some(machine) => (machine, false),
+            None => (library.machine(USUAL_MACHINE)?, true),
+        },
+    };
+    let profile = match order.material {
+        Some(name) => Some(library.profile(name)?),
+        None => told("material").and_then(|name| library.profile(name).ok()),
+    };
+    let stock = told("sheet").and_then(read_sheet).map(|(name, w, h)| stock(name, w, h, profile.as_ref()));
+    let limits = settings::limits(&machine);
+    let mut notes = Vec::new();
+    notes.extend(profile.as_ref().map(|p| p.title.clone()));
+    notes.extend(told("UNCALIBRATED").map(|text| format!("UNCALIBRATED: {text}")));
+    if guessed {
+        notes.push(format!(
+            "No machine was named: times and bed are those of {}. --machine says otherwise.",
+            machine.name
+        ));
+    }
+    let timing = gcode::estimate(&moves, &limits);
+    let time_s = timing.total_s;
+    let name = order.name.to_owned();
+    let run = Run { name, text: order.text.into(), moves: &moves, timing, stock, labels: Vec::new(), notes };
+    let bed = bed(&machine);
+    let picture = |source| Error::Picture { file: order.name.into(), source };
+    let bytes = match form {
+        Form::Html => html(order.name, std::slice::from_ref(&run), &bed, by).map_err(picture)?.into_bytes(),
+        Form::Svg => run_canvas(&run, &bed, by).to_svg().into_bytes(),
+        Form::Png(longer_px) => run_canvas(&run, &bed, by).to_png(longer_px).map_err(picture)?,
+    };
+    Ok(Looked { bytes, time_s, machine: machine.name, guessed })
+}
+
+/// What the program says of itself: `; key: value` before its first word.
+fn told<'a>(program: &'a Program, key: &str) -> Option<&'a str> {
+    let head = program.lines.iter().take_while(|line| line.words.is_empty());
+    head.filter_map(|line| line.comment.as_deref()?.split_once(':'))
+        .find(|(k, _)| k.trim() == key)
+        .map(|(_, v)| v.trim())
+}
+
+/// Reads "1/2 A4 297 x 210 mm".
+fn read_sheet(text: &str) -> Option<(&str, f64, f64)> {
+    let (_, rest) = text.strip_suffix(" mm")?.split_once(' ')?;
+    let (front, height) = rest.rsplit_once(" x ")?;
+    let (name, width) = front.rsplit_once(' ')?;
+    let size = |text: &str| text.parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
+    Some((name, size(width)?, size(height)?))
+}
+
+/// The bed of a machine.
+pub(super) fn bed(machine: &Machine) -> Bed {
+    let [width, height] = machine.reach_mm();
+    let keep_outs = machine.keep_outs.iter().map(|k| {
+        let min = P2::new(k.x_mm, k.y_mm);
+        (k.name.clone(), Rect { min, max: min + V2::new(k.width_mm, k.height_mm) })
+    });
+    Bed {
+        machine: machine.name.clone(),
+        reach: Rect::from_size(width, height),
+        keep_outs: keep_outs.collect(),
+        max_s: machine.controller.max_s,
+        optical_power_w: machine.tool.optical_power_w,
+        limits: settings::limits(machine),
+    }
+}
+
+/// A sheet as jobs lay it: with its grain along x.
+pub(super) fn stock(name: &str, width_mm: f64, height_mm: f64, profile: Option<&Profile>) -> Stock {
+    let directional = profile.filter(|p| p.grain == Grain::Directional);
+    let grain = directional.map(|profile| {
+        let known = parse_stock(name, profile).is_ok_and(|sheet| sheet.grain != StockGrain::Unknown);
+        GrainRun { along_x: true, known }
+    });
+    Stock { name: name.to_owned(), width_mm, height_mm, grain }
+}
+
+/// A sheet of a job with its program, moves and the names of its pieces.
+pub(super) fn run<'a>(sheet: &'a CutSheet, setup: &settings::Setup) -> Run<'a> {
+    let cut = &setup.pairing.cut;
+    let moves: &[Move] = &sheet.moves;
+    let names =
+        sheet.drawings.iter().map(|d| (d.outline().map_or(Rect::EMPTY, |o| o.bounds()).center(), d.name.clone()));
+    let mut notes = vec![format!("{}, kerf {} mm", setup.profile.title, cut.kerf_mm)];
+    if !cut.calibrated {
+        notes.push("UNCALIBRATED: cut a small test piece first".into());
+    }
+    Run {
+        name: sheet.file.clone(),
+        text: sheet.program.to_string(),
+        moves,
+        timing: gcode::estimate(moves, &setup.limits()),
+        stock: Some(stock(&sheet.stock, sheet.layout.width_mm, sheet.layout.height_mm, Some(&setup.profile))),
+        labels: names.collect(),
+        notes,
+    }
+}
+
+/// How many sheets, from the first, one page holds.
+fn shown(moves: impl Iterator<Item = usize>) -> usize {
+    let mut sum = 0;
+    moves
+        .take_while(|n| {
+            sum += n;
+            sum <= MAX_MOVES
+        })
+        .count()
+}
+
+/// What the user should know when not all sheets are on the page.
+pub(super) fn warning(sheets: &[CutSheet]) -> Option<Warning> {
+    let (shown, all) = (shown(sheets.iter().map(|s| s.moves.len())), sheets.len());
+    let message = || {
+        format!(
+            "preview.html has room for {shown} of {all} sheets ({MAX_MOVES} moves); `furbelow preview` shows the others one by one as pictures or pages"
+        )
+    };
+    (shown < all).then(|| Warning::new("preview-cut-short", message()))
+}
+
+/// The page of a whole job, as many sheets as it holds; `None` when it holds none.
+pub(super) fn page(name: &str, runs: &[Run], setup: &settings::Setup) -> Result<Option<String>, Error> {
+    let shown = shown(runs.iter().map(|run| run.moves.len()));
+    if shown == 0 {
+        return Ok(None);
+    }
+    let page = html(name, &runs[..shown], &bed(&setup.machine), ColorBy::Power);
+    page.map(Some).map_err(|source| Error::Picture { file: PAGE.into(), source })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OURS: &str = "; furbelow\n; sheet: 1/2 A4 297 x 210 mm\n; machine: k40\n; material: paper-160\nG21G90M4S0\nG1X10S500F1200\n; machine: later\nM5";
+
+    fn looked(text: &str, machine: Option<&str>) -> Result<Looked, Error> {
+        let order = Look { name: "job.nc", text, machine, material: None };
+        look(&order, &Library::built_in(), Form::Html, ColorBy::Power)
+    }
+
+    #[test]
+    fn a_program_tells_its_machine_sheet_and_grain_itself() {
+        let looked = looked(OURS, None).unwrap();
+        assert_eq!((looked.machine.as_str(), looked.guessed), ("k40", false));
+        let page = String::from_utf8(looked.bytes).unwrap();
+        assert!(page.contains(r#""width":297.0"#) && page.contains(r#""grain":"x""#));
+    }
+
+    #[test]
+    fn the_users_word_goes_before_the_programs_and_a_foreign_program_needs_none() {
+        assert_eq!(looked(OURS, Some("diode-400")).unwrap().machine, "diode-400");
+        let foreign = looked("; machine: somebody-elses\nG0X1", None).unwrap();
+        assert!(foreign.guessed && foreign.machine == USUAL_MACHINE);
+        assert!(looked(OURS, Some("nothing")).is_err());
+    }
+
+    #[test]
+    fn what_is_no_g_code_is_refused_with_file_and_line() {
+        let message = looked("G0X1\n%%", None).unwrap_err().to_string();
+        assert!(message.starts_with("job.nc: line 2"), "{message}");
+    }
+
+    #[test]
+    fn a_page_holds_the_first_sheets_that_fit() {
+        assert_eq!(shown([MAX_MOVES, 1].into_iter()), 1);
+        assert_eq!(shown([MAX_MOVES - 1, 1, 0].into_iter()), 3);
+        assert_eq!(shown([MAX_MOVES + 1].into_iter()), 0);
+    }
+
+    #[test]
+    fn sheet_lines_are_read_and_others_left_alone() {
+        assert_eq!(read_sheet("1/2 A4 297 x 210 mm"), Some(("A4", 297.0, 210.0)));
+        assert_eq!(read_sheet("2/2 my big sheet 500 x 300 mm"), Some(("my big sheet", 500.0, 300.0)));
+        for text in ["A4", "1/2 A4 297 x nan mm", "1/1 -3 x 4 mm", ""] {
+            assert_eq!(read_sheet(text), None, "{text}");
+        }
+    }
+}
