@@ -21,7 +21,7 @@
 //!  nest       polygons, containers       Layouts                                     -
 //!  toolpath   placed drawings, process   Toolpath: kerf, order                       drawing nest
 //!  gcode      Toolpath                   Program; parse, trace, planner, check       toolpath
-//!  preview    parts, moves               pictures: SVG, PNG                          drawing nest gcode cut ruffle extrude sim fit
+//!  preview    parts, moves               pictures: SVG, PNG; a page that plays them  drawing nest gcode cut ruffle extrude sim fit
 //!  config     TOML                       Machine, Profile, and how they pair         -
 //!  job        Design                     everything above, in order, into files      all of these
 //!  cli        arguments                  calls of job, text, exit codes              job design preview gcode nest config

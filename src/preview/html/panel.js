@@ -52,20 +52,19 @@ function showFacts(job, sheet) {
   facts.textContent = notes.textContent = "";
   const fact = (name, text) => { const row = element("div"); row.append(element("dt", "", name), element("dd", "", text)); facts.append(row); };
   fact("planned time", clock(raw.timeS));
-  fact("cut", lengthText(raw.cutMm));
-  fact("laser off", lengthText(raw.travelMm));
   if (raw.stock) fact("sheet", raw.stock.name + ", " + figures(raw.stock.width) + " x " + figures(raw.stock.height) + " mm");
   if (raw.stock && raw.stock.grain) fact("grain", "along " + raw.stock.grain + (raw.stock.grainKnown ? "" : " (check: tear a corner)"));
-  if (raw.bounds) fact("moves reach", raw.bounds.map((v) => v.toFixed(1)).reduce((t, v, i) => t + (i === 0 ? "X" : i === 1 ? " Y" : i === 2 ? " to X" : " Y") + v, ""));
+  const span = (from, to) => from.toFixed(1) + " to " + to.toFixed(1) + " mm";
+  if (raw.bounds) { fact("from left to right", span(raw.bounds[0], raw.bounds[2])); fact("from front to back", span(raw.bounds[1], raw.bounds[3])); }
   fact("machine", job.machine);
   fact("lines, moves", sheet.lines.length + ", " + sheet.n);
-  for (const note of raw.notes) notes.append(element("p", "", note));
+  for (const note of raw.notes) notes.append(element("p", note.startsWith("UNCALIBRATED") ? "caution" : "", note));
+  byId("spacer").style.height = sheet.lines.length * ROW + 8 + "px";
 }
 
 // The rows of the listing that are in sight.
 function showRows(sheet, current) {
   const listing = byId("listing"), rows = byId("rows");
-  byId("spacer").style.height = sheet.lines.length * ROW + 8 + "px";
   const first = Math.max(0, Math.floor(listing.scrollTop / ROW) - 4), count = Math.ceil(listing.clientHeight / ROW) + 8;
   rows.style.transform = "translateY(" + first * ROW + "px)";
   rows.textContent = "";
@@ -81,7 +80,7 @@ function showRows(sheet, current) {
 
 function followLine(line) {
   const listing = byId("listing"), y = (line - 1) * ROW, height = listing.clientHeight;
-  if (y < listing.scrollTop + ROW || y > listing.scrollTop + height - 3 * ROW) listing.scrollTop = Math.max(0, y - height / 2 + ROW);
+  if (y < listing.scrollTop + ROW || y > listing.scrollTop + height - 3 * ROW) listing.scrollTop = Math.max(0, ROW * Math.round((y - height / 2) / ROW));
 }
 
 function showNow(scene, place, t) {
@@ -116,12 +115,17 @@ function drawStrip(scene) {
   canvas.height = Math.max(1, Math.round(box.height * ratio));
   const ctx = canvas.getContext("2d"), w = canvas.width, h = canvas.height;
   if (s.n === 0 || !(s.total > 0)) return;
-  let top = 0;
-  for (let k = 0; k < s.n; k++) if (s.peak[k] > top) top = s.peak[k];
+  // Cuts set the scale: beside travels they would all look slow.
+  let top = 0, fastest = 0;
+  for (let k = 0; k < s.n; k++) {
+    if (burns(s, k)) top = Math.max(top, s.peak[k]);
+    fastest = Math.max(fastest, s.peak[k]);
+  }
+  top = top || fastest || 1;
   for (let i = 0; i < w; i++) {
     const place = placeAt(s, (i + 0.5) / w * s.total), shade = scene.shade[place.move];
-    const cut = burns(s, place.move), height = Math.max(0.08, Math.sqrt(place.speed / Math.max(top, 1e-9)) * 0.92) * h;
-    ctx.globalAlpha = cut ? 1 : 0.35;
+    const cut = burns(s, place.move), height = Math.max(0.06, Math.min(1, 0.85 * place.speed / top)) * h;
+    ctx.globalAlpha = cut ? 1 : 0.28;
     ctx.fillStyle = scene.palette[shade === 255 ? 0 : shade];
     ctx.fillRect(i, h - height, 1, height);
   }

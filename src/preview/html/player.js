@@ -44,7 +44,7 @@ function render() {
   seek.setAttribute("aria-valuetext", clock(now.t) + " of " + clock(s.total) + ", line " + line);
   const shown = byId("clock");
   shown.textContent = "";
-  shown.append(element("b", "", clock(now.t, s.total < 600)), element("span", "", " / " + clock(s.total)));
+  shown.append(element("b", "", clock(now.t, s.total < 600)), element("span", "", " / " + clock(s.total, s.total < 600)));
   if (line !== now.line) {
     now.line = line;
     if (line > 0) followLine(line);
@@ -131,7 +131,8 @@ function laidOut() {
   if (fitted) scene.fit();
   drawStrip(scene);
   showRows(scene.sheet, now.line);
-  redraw();
+  // At once: a canvas is blank when its size has changed.
+  render();
 }
 
 // To the end of the move under way, or back to its start.

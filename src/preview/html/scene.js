@@ -86,7 +86,7 @@ class Scene {
 
   fit() {
     const [x0, y0, x1, y1] = this.extent();
-    const room = Math.min(44, 0.07 * Math.min(this.width, this.height));
+    const room = Math.min(44, Math.max(26, 0.07 * Math.min(this.width, this.height)));
     const w = Math.max(x1 - x0, 1e-3), h = Math.max(y1 - y0, 1e-3);
     this.view.scale = Math.min((this.width - 2 * room - 12) / w, (this.height - 2 * room) / h);
     this.view.x = (x0 + x1) / 2 - 6 / this.view.scale;
@@ -132,9 +132,8 @@ class Scene {
     const stroke = (shade) => {
       const travel = shade === 0;
       ctx.strokeStyle = this.palette[shade];
-      ctx.globalAlpha = faint ? (travel ? 0.35 : 0.3) : travel ? 0.8 : 1;
-      // Zoomed in, a cut is as wide as a kerf.
-      ctx.lineWidth = travel ? 0.9 * px : Math.max((faint ? 1.2 : 1.7) * px, Math.min(0.15, 6 * px));
+      ctx.globalAlpha = faint ? (travel ? 0.35 : 0.38) : travel ? 0.6 : 1;
+      ctx.lineWidth = travel ? 0.9 * px : this.cutWidth(faint);
       ctx.setLineDash(travel && s.n < HEAVY ? [4 * px, 4 * px] : []);
       ctx.stroke(paths[shade]);
       paths[shade] = undefined;
@@ -157,6 +156,12 @@ class Scene {
     for (let shade = 0; shade <= SHADES; shade++) if (paths[shade]) stroke(shade);
     ctx.setLineDash([]);
     ctx.globalAlpha = 1;
+  }
+
+  // Of a cut's line, mm: fine while a whole sheet is seen, as wide as a kerf when zoomed in.
+  cutWidth(faint) {
+    const px = 1 / this.view.scale, least = this.view.scale < 2 ? 1.3 : 1.7;
+    return Math.max((faint ? 0.7 : 1) * least * px, Math.min(0.15, 6 * px));
   }
 
   trace(path, k, share, anew) {
@@ -220,7 +225,7 @@ class Scene {
     this.place(ctx);
     this.trace(path, k, share, true);
     ctx.strokeStyle = this.palette[shade];
-    ctx.lineWidth = shade === 0 ? 0.9 * px : Math.max(1.7 * px, Math.min(0.15, 6 * px));
+    ctx.lineWidth = shade === 0 ? 0.9 * px : this.cutWidth(false);
     ctx.stroke(path);
   }
 
@@ -259,10 +264,11 @@ function drawBed(scene, ctx) {
   const { colors } = scene, [bx0, by0, bx1, by1] = scene.job.reach, stock = scene.sheet.raw.stock;
   const box = (x0, y0, x1, y1) => { const [l, t] = scene.toScreen(x0, y1), [r, b] = scene.toScreen(x1, y0); return [l, t, r - l, b - t]; };
   const bed = box(bx0, by0, bx1, by1);
-  ctx.fillStyle = colors.bed;
+  // Without a sheet the bed is what is worked on.
+  ctx.fillStyle = stock ? colors.bed : colors.paper;
   ctx.fillRect(...bed);
   const step = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].find((mm) => mm * scene.view.scale >= 56) || 2000;
-  drawGrid(scene, ctx, [bx0, by0, bx1, by1], step, colors.grid);
+  drawGrid(scene, ctx, [bx0, by0, bx1, by1], step, stock ? colors.grid : colors["paper-grid"]);
   if (stock) {
     const paper = box(0, 0, stock.width, stock.height);
     ctx.save();
@@ -321,7 +327,8 @@ function drawRulers(scene, ctx, step) {
   for (let i = Math.ceil(vx0 / step); i * step < vx1; i++) {
     if (i * step >= scene.job.reach[0] && i * step <= scene.job.reach[2]) ctx.fillText(String(i * step), scene.toScreen(i * step, 0)[0], foot);
   }
-  ctx.textAlign = side > 30 ? "right" : "left";
+  // Over the sheet, figures stand at the rim of what is seen.
+  ctx.textAlign = side >= 22 ? "right" : "left";
   ctx.textBaseline = "middle";
   for (let i = Math.ceil(vy0 / step); i * step < vy1; i++) {
     const y = scene.toScreen(0, i * step)[1];
