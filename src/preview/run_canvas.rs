@@ -1,6 +1,6 @@
 //! The picture of a program, its cuts coloured by what they are told apart by.
 
-use super::canvas::Canvas;
+use super::canvas::{Canvas, Colour};
 use super::run::{Bed, Run};
 use super::shade::{ColorBy, Scale, light};
 use super::sheet::{MoveKind, Pen, SheetMove, SheetView, sheet_canvas};
@@ -23,14 +23,15 @@ const MAX_CHORDS: usize = 2000;
 pub fn run_canvas(run: &Run, bed: &Bed, by: ColorBy) -> Canvas {
     let values = by.values(run, bed);
     let scale = by.scale(std::slice::from_ref(run), bed);
-    let mut pens = vec![Pen { name: "laser off".into(), ..MoveKind::Travel.pen() }];
+    let mut pens = vec![Pen { name: "laser off".into(), colour: Colour::GREY, ..MoveKind::Travel.pen() }];
     pens.extend(cut_pens(by, &scale, bed));
     let moving = run.moves.iter().zip(values).filter(|(m, _)| m.length_mm() > 0.0);
     let moves: Vec<SheetMove> = moving
         .map(|(m, value)| SheetMove { points: flattened(m), pen: value.map_or(0, |v| 1 + bin(&scale, v)) })
         .collect();
     let mut legend = vec![format!("planned time {} on {}", clock(run.timing.total_s), bed.machine)];
-    legend.extend(run.notes.iter().cloned());
+    // The lettering has no semicolon.
+    legend.extend(run.notes.iter().map(|note| note.replace(';', ",")));
     sheet_canvas(&SheetView {
         title: &format!("{}: {}", run.name, what(by)),
         stock: run.stock.as_ref(),

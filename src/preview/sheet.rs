@@ -127,7 +127,7 @@ pub fn sheet_canvas(view: &SheetView) -> Canvas {
     }
     for (name, rect) in view.keep_outs {
         canvas.frame(rect, Some(Colour::PALE), Some(Stroke::new(Colour::GREY, 0.12 * unit)));
-        let at = rect.min + V2::new(0.0, -(TEXT + 0.5) * unit);
+        let at = P2::new(rect.min.x, rect.max.y + 0.5 * unit);
         canvas.text(Text { at, align: Align::Left, height_mm: TEXT * unit, colour: Colour::GREY, text: name });
     }
     if let Some(grain) = view.stock.and_then(|stock| stock.grain) {
@@ -224,7 +224,7 @@ fn legend<'a>(view: &SheetView<'a>, sheet: &Rect, unit: f64) -> (Vec<Line>, Vec<
         if length_mm == 0.0 {
             continue;
         }
-        let text = format!("{} {}", pen.name, people_length(length_mm));
+        let text = format!("{}, {}", pen.name, people_length(length_mm));
         let entry_mm = SAMPLE * unit + unit + text_width(&text, TEXT * unit);
         if at.x > left && at.x + entry_mm > sheet.max.x {
             at = P2::new(left, at.y - feed);
@@ -322,10 +322,10 @@ mod tests {
         let sheet = Rect::from_size(200.0, 100.0);
         let (lines, samples) = legend(&view(&stock, &pens, &moves[1..2], "t"), &sheet, 2.0);
         let texts: Vec<&str> = lines.iter().map(|l| l.text.as_str()).collect();
-        assert_eq!(texts, ["t", "engrave 40 mm", "12 min 3 s"]);
+        assert_eq!(texts, ["t", "engrave, 40 mm", "12 min 3 s"]);
         assert_eq!(samples.len(), 1);
         let (lines, _) = legend(&view(&stock, &pens, &moves, ""), &sheet, 2.0);
-        assert!(lines.iter().any(|l| l.text == "outlines 130 mm"));
+        assert!(lines.iter().any(|l| l.text == "outlines, 130 mm"));
         assert_eq!(people_length(1234.0), "1.23 m");
     }
 

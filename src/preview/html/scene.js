@@ -132,7 +132,7 @@ class Scene {
     const stroke = (shade) => {
       const travel = shade === 0;
       ctx.strokeStyle = this.palette[shade];
-      ctx.globalAlpha = faint ? (travel ? 0.35 : 0.38) : travel ? 0.6 : 1;
+      ctx.globalAlpha = travel ? (faint ? 0.35 : 0.6) * (s.n < HEAVY ? 1 : 0.5) : faint ? 0.38 : 1;
       ctx.lineWidth = travel ? 0.9 * px : this.cutWidth(faint);
       ctx.setLineDash(travel && s.n < HEAVY ? [4 * px, 4 * px] : []);
       ctx.stroke(paths[shade]);
