@@ -4,7 +4,7 @@ use super::Error;
 use super::settings;
 use super::sheets::CutSheet;
 use super::stock::parse_stock;
-use crate::config::{Grain, Library, Machine, Profile, StockGrain};
+use crate::config::{Corner, Grain, Library, Machine, Profile, StockGrain};
 use crate::gcode::{self, Move, Program};
 use crate::geom::{P2, Rect, V2};
 use crate::preview::{Bed, ColorBy, GrainRun, MAX_MOVES, Run, Stock, html, run_canvas};
@@ -116,16 +116,22 @@ fn read_sheet(text: &str) -> Option<(&str, f64, f64)> {
     Some((name, size(width)?, size(height)?))
 }
 
-/// The bed of a machine.
+/// The bed of a machine. Work X0 Y0 lies in the machine's origin corner.
 pub(super) fn bed(machine: &Machine) -> Bed {
     let [width, height] = machine.reach_mm();
+    let least = match machine.origin {
+        Corner::FrontLeft => P2::new(0.0, 0.0),
+        Corner::FrontRight => P2::new(-width, 0.0),
+        Corner::BackLeft => P2::new(0.0, -height),
+        Corner::BackRight => P2::new(-width, -height),
+    };
     let keep_outs = machine.keep_outs.iter().map(|k| {
         let min = P2::new(k.x_mm, k.y_mm);
         (k.name.clone(), Rect { min, max: min + V2::new(k.width_mm, k.height_mm) })
     });
     Bed {
         machine: machine.name.clone(),
-        reach: Rect::from_size(width, height),
+        reach: Rect { min: least, max: least + V2::new(width, height) },
         keep_outs: keep_outs.collect(),
         max_s: machine.controller.max_s,
         optical_power_w: machine.tool.optical_power_w,
@@ -221,6 +227,14 @@ mod tests {
         let foreign = looked("; machine: somebody-elses\nG0X1", None).unwrap();
         assert!(foreign.guessed && foreign.machine == USUAL_MACHINE);
         assert!(looked(OURS, Some("nothing")).is_err());
+    }
+
+    #[test]
+    fn the_bed_lies_where_the_machines_zero_puts_it() {
+        let library = Library::built_in();
+        let machine = Machine { origin: Corner::BackRight, ..library.machine("k40").unwrap() };
+        let reach = bed(&machine).reach;
+        assert_eq!((reach.min, reach.max), (P2::new(-300.0, -200.0), P2::origin()));
     }
 
     #[test]
