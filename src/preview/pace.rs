@@ -8,9 +8,11 @@ use crate::gcode::{Action, Limits, Move};
 /// Halvings that find a speed to better than 1e-9 of its range.
 const HALVINGS: usize = 40;
 
-/// The trapezoid of one move, mm/s. It starts at the speed at which the move before ends.
+/// The trapezoid of one move, mm/s.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Pace {
+    /// At the start, where the move before ends.
+    pub entry: f64,
     /// Fastest on the way.
     pub peak: f64,
     /// At the end.
@@ -36,7 +38,7 @@ pub(super) fn paces(moves: &[Move], move_s: &[f64], limits: &Limits) -> Vec<Pace
             Some(next) if !rests(next) => ramp.exit_after(move_s[k], nominal(next, limits)),
             _ => 0.0,
         };
-        paces[k] = Pace { peak: ramp.peak(exit), exit };
+        paces[k] = Pace { entry, peak: ramp.peak(exit), exit };
         entry = exit;
     }
     paces

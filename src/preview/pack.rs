@@ -1,4 +1,4 @@
-//! A program's moves as the page reads them: columns of little-endian numbers in base64, about 50 bytes a move.
+//! A program's moves as the page reads them: columns of little-endian numbers in base64, about 55 bytes a move.
 
 use super::pace::{Pace, paces};
 use super::run::{Bed, Run};
@@ -25,7 +25,7 @@ pub(super) struct Columns {
     turn: String,
     /// f32: s.
     time: String,
-    /// f32 pairs: fastest speed and speed at the end, mm/s.
+    /// f32 triples: speed at the start, at its fastest and at the end, mm/s.
     pace: String,
     /// f32: mm/min.
     feed: String,
@@ -48,7 +48,7 @@ impl Columns {
             arc: integers(arcs().flat_map(|(k, (center, _))| [k as f64, um(center)[0], um(center)[1]])),
             turn: floats(arcs().map(|(_, (_, sweep_rad))| sweep_rad)),
             time: floats(run.timing.move_s.iter().copied()),
-            pace: floats(paces.iter().flat_map(|Pace { peak, exit }| [*peak, *exit])),
+            pace: floats(paces.iter().flat_map(|Pace { entry, peak, exit }| [*entry, *peak, *exit])),
             feed: floats(moves.iter().map(|m| m.feed_mm_per_min)),
             power: value(ColorBy::Power),
             energy: value(ColorBy::Energy),
@@ -136,7 +136,7 @@ mod tests {
             (&columns.arc, 12),
             (&columns.turn, 4),
             (&columns.time, 4 * n),
-            (&columns.pace, 8 * n),
+            (&columns.pace, 12 * n),
             (&columns.feed, 4 * n),
             (&columns.power, 4 * n),
             (&columns.energy, 4 * n),

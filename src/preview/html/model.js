@@ -36,7 +36,6 @@ function openSheet(raw) {
   }
   s.x[0] = raw.start[0] / 1000;
   s.y[0] = raw.start[1] / 1000;
-  let speed = 0;
   for (let k = 0; k < n; k++) {
     s.x[k + 1] = end[2 * k] / 1000;
     s.y[k + 1] = end[2 * k + 1] / 1000;
@@ -44,12 +43,9 @@ function openSheet(raw) {
     s.length[k] = a < 0 ? Math.hypot(s.x[k + 1] - s.x[k], s.y[k + 1] - s.y[k])
       : Math.abs(s.turn[a]) * Math.hypot(s.x[k] - s.cx[a], s.y[k] - s.cy[a]);
     s.began[k + 1] = s.began[k] + s.time[k];
-    s.peak[k] = pace[2 * k];
-    s.exit[k] = pace[2 * k + 1];
-    s.entry[k] = speed;
-    const action = kind[k] & 7;
-    if (s.length[k] > 0) speed = s.exit[k];
-    else if (action === DWELL || action === STOP) speed = 0;
+    s.entry[k] = pace[3 * k];
+    s.peak[k] = pace[3 * k + 1];
+    s.exit[k] = pace[3 * k + 2];
   }
   s.total = s.began[n];
   fillBoxes(s);
