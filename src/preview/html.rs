@@ -13,7 +13,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
-/// The most moves one page holds, all programs together: about 14 MB, and still drawn in a fraction of a second.
+/// The most moves one page holds, all programs together: about 17 MB, and still drawn in a fraction of a second.
 pub const MAX_MOVES: usize = 200_000;
 
 const PAGE: &str = include_str!("html/page.html");
