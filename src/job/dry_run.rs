@@ -135,7 +135,6 @@ pub(super) fn bed(machine: &Machine) -> Bed {
         keep_outs: keep_outs.collect(),
         max_s: machine.controller.max_s,
         optical_power_w: machine.tool.optical_power_w,
-        limits: settings::limits(machine),
     }
 }
 

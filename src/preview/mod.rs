@@ -4,7 +4,6 @@
 mod canvas;
 mod html;
 mod labels;
-mod pace;
 mod pack;
 mod part;
 mod png;

@@ -1,6 +1,5 @@
 //! A program's moves as the page reads them: columns of little-endian numbers in base64, about 55 bytes a move.
 
-use super::pace::{Pace, paces};
 use super::run::{Bed, Run};
 use super::shade::ColorBy;
 use crate::gcode::{Action, Beam, Move};
@@ -40,7 +39,6 @@ impl Columns {
         let moves = run.moves;
         let arcs = || moves.iter().enumerate().filter_map(|(k, m)| Some((k, arc(m)?)));
         let value = |by: ColorBy| floats(by.values(run, bed).into_iter().map(|v| v.unwrap_or(0.0)));
-        let paces = paces(moves, &run.timing.move_s, &bed.limits);
         Columns {
             line: integers(moves.iter().map(|m| m.line as f64)),
             end: integers(moves.iter().flat_map(|m| um(m.to.xy()))),
@@ -48,7 +46,7 @@ impl Columns {
             arc: integers(arcs().flat_map(|(k, (center, _))| [k as f64, um(center)[0], um(center)[1]])),
             turn: floats(arcs().map(|(_, (_, sweep_rad))| sweep_rad)),
             time: floats(run.timing.move_s.iter().copied()),
-            pace: floats(paces.iter().flat_map(|Pace { entry, peak, exit }| [*entry, *peak, *exit])),
+            pace: floats(run.timing.speeds.iter().flat_map(|s| [s.entry_mm_per_s, s.cruise_mm_per_s, s.exit_mm_per_s])),
             feed: floats(moves.iter().map(|m| m.feed_mm_per_min)),
             power: value(ColorBy::Power),
             energy: value(ColorBy::Energy),

@@ -1,6 +1,6 @@
 //! A program on its bed: what a dry run shows.
 
-use crate::gcode::{Action, Beam, Limits, Move, Timing};
+use crate::gcode::{Action, Beam, Move, Timing};
 use crate::geom::{P2, Rect};
 
 /// The machine a program is shown on.
@@ -16,8 +16,6 @@ pub struct Bed {
     pub max_s: f64,
     /// Light that leaves the lens at full power, W; `None` when nobody knows.
     pub optical_power_w: Option<f64>,
-    /// How fast the machine moves; the times of a [`Run`] were planned with these.
-    pub limits: Limits,
 }
 
 /// Which way a sheet's grain runs.
@@ -106,23 +104,28 @@ impl Bed {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::gcode::{estimate, parse, trace};
+    use crate::gcode::{Limits, estimate, parse, trace};
 
-    pub(crate) fn bed() -> Bed {
-        let limits = Limits {
+    fn limits() -> Limits {
+        Limits {
             max_rate_mm_per_min: [6000.0, 6000.0, 600.0],
             acceleration_mm_per_s2: [500.0, 500.0, 100.0],
             junction_deviation_mm: 0.01,
             arc_tolerance_mm: 0.002,
             planner_blocks: 15,
-        };
+            bytes_per_s: 11_520.0,
+            rx_bytes: 128,
+            line_s: 0.0037,
+        }
+    }
+
+    pub(crate) fn bed() -> Bed {
         Bed {
             machine: "test-bed".into(),
             reach: Rect::from_size(400.0, 300.0),
             keep_outs: vec![("magnet".into(), Rect { min: P2::new(350.0, 0.0), max: P2::new(370.0, 20.0) })],
             max_s: 1000.0,
             optical_power_w: Some(5.0),
-            limits,
         }
     }
 
@@ -135,7 +138,7 @@ pub(super) mod tests {
             name: "sheet-01".into(),
             text: text.into(),
             moves,
-            timing: estimate(moves, &bed().limits),
+            timing: estimate(moves, &limits()),
             stock: Some(Stock {
                 name: "A4".into(),
                 width_mm: 297.0,
@@ -151,7 +154,7 @@ pub(super) mod tests {
     fn constant_power_leaves_more_where_the_machine_is_slow_and_dynamic_power_does_not() {
         let short = |mode: &str| {
             let moves = moves(&format!("{mode}S500\nG1X0.2F6000"));
-            let time_s = estimate(&moves, &bed().limits).move_s[1];
+            let time_s = estimate(&moves, &limits()).move_s[1];
             bed().energy_j_per_mm(&moves[1], time_s)
         };
         // 2.5 W at 100 mm/s.
