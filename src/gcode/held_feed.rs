@@ -8,6 +8,8 @@ const SLOW_SHARE: f64 = 0.95;
 
 /// Told only when this share of all that is cut is concerned: single slow moves leave no trace.
 const TOLD_SHARE: f64 = 0.05;
+/// And nothing that takes less than this, s.
+const TOLD_S: f64 = 0.5;
 
 /// Lengths that ran too slow, by reason.
 #[derive(Debug, Default)]
@@ -46,7 +48,7 @@ impl HeldFeed {
     pub(super) fn tell(&self, notes: &mut Notes) {
         for held in [Held::Link, Held::Controller, Held::LookAhead] {
             let Slow { first_line, mm, seconds } = self.reasons[held as usize];
-            if mm == 0.0 || mm < TOLD_SHARE * self.feed_mm {
+            if seconds < TOLD_S || mm < TOLD_SHARE * self.feed_mm {
                 continue;
             }
             let reason = match held {
