@@ -23,6 +23,8 @@ pub struct Solver {
 
 /// Share of the membrane stiffness with which a first solve begins: a hundredth takes up to 40 % fewer steps than all of it (`cargo bench --bench solve`).
 const SOFT_SHARE: f64 = 1e-2;
+/// A start strained more than this is far from rest too: with its real stiffness the membrane would drive sheets into each other with hundreds of newtons.
+const FAR_STRAIN: f64 = 0.01;
 
 impl Solver {
     /// Prepares to solve `ruffle` with the strip `widths_mm` wide at each node.
@@ -147,7 +149,8 @@ impl Solver {
         let mut x: Vec<P2> = start.iter().map(|p| P2::new(p.x, p.y.max(floor))).collect();
         let untangled = self.enter(&mut x)?;
         let mut iterations = 0;
-        if !std::mem::replace(&mut self.warm, true) || untangled {
+        let far = self.system.model.max_strain(&x) > FAR_STRAIN;
+        if !std::mem::replace(&mut self.warm, true) || untangled || far {
             match self.nested_start(&x, &mut iterations, observer)? {
                 Some(near_rest) => x = near_rest,
                 None => self.soften(&mut x, &mut iterations, observer)?,
