@@ -23,7 +23,7 @@ const WEIGHT_SHARE: f64 = 3.0;
 /// A step ends at this share of the way to the first touch.
 const BEFORE_TOUCH: f64 = 0.9;
 /// Pairs are collected for this much more motion than was asked for, mm: near rest the steps are shorter, and the same pairs serve many of them.
-const SLACK_MM: f64 = 0.5;
+const SLACK_MM: f64 = 0.2;
 
 /// A node and a segment close enough to matter.
 #[derive(Debug, Clone, Copy)]
@@ -88,17 +88,19 @@ impl Contacts {
             *kappa = kappa_n(material, *width, weight_n);
         }
         let limit = (2.0 * FLATTEST_MM * (self.thickness_mm + REACH_MM)).sqrt();
+        let mut places = vec![None; self.near.len()];
         for node in 0..self.near.len() {
             let mut found = std::mem::take(&mut self.near[node]);
             found.clear();
-            self.walk_from(node, limit, &mut found);
+            self.walk_from(node, limit, &mut found, &mut places);
             self.near[node] = found;
         }
     }
 
-    /// Nodes within `limit` of `start` along the strip.
-    fn walk_from(&self, start: usize, limit: f64, found: &mut Vec<(usize, f64)>) {
+    /// Nodes within `limit` of `start` along the strip. `places` has room for the place of every node among those found; it is left empty.
+    fn walk_from(&self, start: usize, limit: f64, found: &mut Vec<(usize, f64)>, places: &mut [Option<usize>]) {
         found.push((start, 0.0));
+        places[start] = Some(0);
         let mut k = 0;
         while k < found.len() {
             let (node, way) = found[k];
@@ -110,8 +112,11 @@ impl Contacts {
                 if way > limit {
                     continue;
                 }
-                match found.iter().position(|(n, _)| *n == next) {
-                    None => found.push((next, way)),
+                match places[next] {
+                    None => {
+                        places[next] = Some(found.len());
+                        found.push((next, way));
+                    }
                     // A shorter way to a node already left behind: look at its neighbours again.
                     Some(at) if found[at].1 > way => {
                         found[at].1 = way;
@@ -121,6 +126,7 @@ impl Contacts {
                 }
             }
         }
+        found.iter().for_each(|(n, _)| places[*n] = None);
         found.sort_unstable_by_key(|(n, _)| *n);
     }
 
@@ -236,9 +242,9 @@ impl Contacts {
         })
     }
 
-    /// Unknowns of every pair that is active or soon may be: twice as far apart.
+    /// Unknowns of every pair that is active or soon may be: four times as far apart, so that the system need not be analysed again and again while sheets come near.
     pub fn elements(&self, x: &[P2]) -> impl Iterator<Item = [usize; 6]> + '_ {
-        let soon = |pair: &&Pair| distance(pair, x) < 2.0 * pair.gap.outer_mm();
+        let soon = |pair: &&Pair| distance(pair, x) < 4.0 * pair.gap.outer_mm();
         let near: Vec<[usize; 6]> = self.pairs.iter().filter(soon).map(unknowns).collect();
         near.into_iter()
     }

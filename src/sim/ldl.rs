@@ -26,10 +26,14 @@ pub struct Pattern {
     row_slots: Vec<usize>,
 }
 
+/// Entries of a column as its elements name them, most of them several times: three hinges of six and two segments of four.
+const USUAL_ENTRIES: usize = 32;
+
 impl Pattern {
     /// The pattern of a sum of element matrices: each element couples all the unknowns it names.
     pub fn new<'a>(unknowns: usize, elements: impl IntoIterator<Item = &'a [usize]>) -> Result<Pattern, Error> {
-        let mut columns: Vec<Vec<usize>> = (0..unknowns).map(|i| vec![i]).collect();
+        let mut columns: Vec<Vec<usize>> = (0..unknowns).map(|_| Vec::with_capacity(USUAL_ENTRIES)).collect();
+        columns.iter_mut().enumerate().for_each(|(i, column)| column.push(i));
         for element in elements {
             for a in element {
                 columns[*a].extend(element);

@@ -217,10 +217,11 @@ impl System {
     /// Shortens the direction to what a step from `x` may be; returns how many times its length it may be followed at most.
     fn limit(&mut self, x: &[P2]) -> f64 {
         let Scratch { direction, fixed, .. } = &mut self.scratch;
-        let farthest = direction.chunks_exact(2).map(|d| d[0].hypot(d[1])).fold(0.0, f64::max);
+        let squared = |d: &[f64]| d[0] * d[0] + d[1] * d[1];
+        let farthest = direction.chunks_exact(2).map(squared).fold(0.0, f64::max).sqrt();
         let by = |i: usize| V2::new(direction[2 * i], direction[2 * i + 1]);
-        let most_turned =
-            self.model.segments().map(|(i, j)| (by(j) - by(i)).norm() / (x[j] - x[i]).norm()).fold(0.0, f64::max);
+        let turned = self.model.segments().map(|(i, j)| (by(j) - by(i)).norm_squared() / (x[j] - x[i]).norm_squared());
+        let most_turned = turned.fold(0.0, f64::max).sqrt();
         let room = (self.settings.max_step_mm / farthest).min(self.settings.max_turn_rad / most_turned);
         if room < 1.0 {
             direction.iter_mut().for_each(|d| *d *= room);
