@@ -3,13 +3,14 @@
 //! Families: `layers`, the paper's load-test stack (30 mm layers, 52.8 mm inner, h 5 mm) with 2 to 72 layers; `refined`, one stack (4 layers of 25 mm, 50 mm
 //! inner) with ever shorter segments. Paper of 160 g/m², 80 mm wide, contact on, foot free. `warm` predicts and solves again after 5 % more length in the middle outer section.
 //! With `--contact air` the same follows with the air mesh in place of the barrier: `layers-air` and `refined-air`.
-//! Times are medians; `iteration_per_factor` compares a Newton step of the cold solve (without what a new
-//! solver prepares once) with the factorisation it contains in the same run, so that it does not hang on the machine.
+//! Times are medians. `iteration_ms` is the median Newton step of the cold solve, all it takes (terms, contact, factorisations, search);
+//! `iteration_per_factor` compares it with one numeric factorisation in the same run, so that it does not hang on the machine.
 
-use furbelow::progress::Quiet;
+use furbelow::progress::{Observer, Progress, Quiet};
 use furbelow::ruffle::{Drawn, Role, uniform_stack};
 use furbelow::sim::{Contact, Equilibrium, Material, Outcome, Settings, Solver, Supports};
 use serde::Serialize;
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 const PAPER_160: Material = Material {
@@ -28,6 +29,7 @@ struct Row {
     cold_iterations: usize,
     warm_iterations: usize,
     factor_ms: f64,
+    iteration_ms: f64,
     iteration_per_factor: f64,
     residual_n: f64,
     residual_reduction: f64,
@@ -79,19 +81,17 @@ fn measure(family: &'static str, drawn: &Drawn, contact: Contact) -> Row {
     let settings = Settings { contact, ..Settings::default() };
     let new = || Solver::new(&drawn.ruffle, &widths, &PAPER_160, &supports, &settings).expect("a solver");
 
-    let (mut times, mut stepping) = (Vec::new(), Vec::new());
+    let (mut times, mut steps) = (Vec::new(), Vec::new());
     let mut cold = None;
     for _ in 0..repeats {
         let began = Instant::now();
-        let mut solver = new();
-        let prepared = Instant::now();
-        cold = Some(solver.solve(&drawn.positions, &mut Quiet).expect("a solve"));
-        stepping.push(prepared.elapsed().as_secs_f64() * 1e3);
+        let mut stopwatch = Stopwatch(Vec::new());
+        cold = Some(new().solve(&drawn.positions, &mut stopwatch).expect("a solve"));
         times.push(began.elapsed().as_secs_f64() * 1e3);
+        steps.extend(stopwatch.0.windows(2).map(|w| (w[1] - w[0]).as_secs_f64() * 1e3));
     }
-    let stepping_ms = median(stepping);
     let cold: Equilibrium = cold.expect("at least one repeat");
-    let cold_ms = median(times);
+    let (cold_ms, iteration_ms) = (median(times), median(steps));
 
     let mut longer = drawn.ruffle.clone();
     let outer: Vec<usize> = (0..longer.sections.len()).filter(|s| longer.sections[*s].role == Role::Outer).collect();
@@ -126,12 +126,23 @@ fn measure(family: &'static str, drawn: &Drawn, contact: Contact) -> Row {
         cold_iterations: cold.iterations,
         warm_iterations: warm.iterations,
         factor_ms,
-        iteration_per_factor: stepping_ms / cold.iterations.max(1) as f64 / factor_ms,
+        iteration_ms,
+        iteration_per_factor: iteration_ms / factor_ms,
         residual_n: cold.residual_n,
         residual_reduction: start / cold.residual_n,
         max_strain: cold.max_strain.max(warm.max_strain),
         crossings: cold.self_intersections + warm.self_intersections,
         outcome: if warm.outcome == Outcome::Converged { cold.outcome } else { warm.outcome },
+    }
+}
+
+/// When each Newton step began.
+struct Stopwatch(Vec<Instant>);
+
+impl Observer for Stopwatch {
+    fn step(&mut self, _: Progress) -> ControlFlow<()> {
+        self.0.push(Instant::now());
+        ControlFlow::Continue(())
     }
 }
 

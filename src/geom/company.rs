@@ -38,22 +38,21 @@ impl MotionTree {
         }
     }
 
-    /// Calls `found` with every item of this tree and item of `other` whose boxes may come within `reach` of each other during the motion, in a fixed order.
-    pub fn near(&self, other: &MotionTree, reach: f64, found: &mut impl FnMut(usize, usize)) {
+    /// Calls `found` with every item of this tree and item of `other` whose boxes may meet during the motion, in a fixed order.
+    pub fn near(&self, other: &MotionTree, found: &mut impl FnMut(usize, usize)) {
         if self.height > 0 && other.height > 0 && !self.levels[0].is_empty() && !other.levels[0].is_empty() {
-            self.descend(other, reach, [self.height - 1, 0], [other.height - 1, 0], found);
+            self.descend(other, [self.height - 1, 0], [other.height - 1, 0], found);
         }
     }
 
     fn descend(
         &self,
         other: &MotionTree,
-        reach: f64,
         [level, item]: [usize; 2],
         [other_level, other_item]: [usize; 2],
         found: &mut impl FnMut(usize, usize),
     ) {
-        if stay_apart(&self.levels[level][item], &other.levels[other_level][other_item], reach) {
+        if stay_apart(&self.levels[level][item], &other.levels[other_level][other_item]) {
             return;
         }
         let below = |tree: &MotionTree, level: usize, item: usize| {
@@ -63,22 +62,22 @@ impl MotionTree {
             found(item, other_item);
         } else if level >= other_level {
             for child in below(self, level, item) {
-                self.descend(other, reach, [level - 1, child], [other_level, other_item], found);
+                self.descend(other, [level - 1, child], [other_level, other_item], found);
             }
         } else {
             for child in below(other, other_level, other_item) {
-                self.descend(other, reach, [level, item], [other_level - 1, child], found);
+                self.descend(other, [level, item], [other_level - 1, child], found);
             }
         }
     }
 }
 
-/// True when two boxes keep more than `reach` apart: along one axis, the same one first before and after.
-fn stay_apart(a: &[Rect; 2], b: &[Rect; 2], reach: f64) -> bool {
-    (a[0].max.x + reach < b[0].min.x && a[1].max.x + reach < b[1].min.x)
-        || (a[0].max.y + reach < b[0].min.y && a[1].max.y + reach < b[1].min.y)
-        || (b[0].max.x + reach < a[0].min.x && b[1].max.x + reach < a[1].min.x)
-        || (b[0].max.y + reach < a[0].min.y && b[1].max.y + reach < a[1].min.y)
+/// True when two boxes never meet: they are apart along one axis, the same one first before and after.
+fn stay_apart(a: &[Rect; 2], b: &[Rect; 2]) -> bool {
+    (a[0].max.x < b[0].min.x && a[1].max.x < b[1].min.x)
+        || (a[0].max.y < b[0].min.y && a[1].max.y < b[1].min.y)
+        || (b[0].max.x < a[0].min.x && b[1].max.x < a[1].min.x)
+        || (b[0].max.y < a[0].min.y && b[1].max.y < a[1].min.y)
 }
 
 #[cfg(test)]
@@ -91,14 +90,14 @@ mod tests {
         Rect { min: P2::new(x, y), max: P2::new(x + width, y + height) }
     }
 
-    fn pairs(a: &[[Rect; 2]], b: &[[Rect; 2]], reach: f64) -> Vec<(usize, usize)> {
+    fn pairs(a: &[[Rect; 2]], b: &[[Rect; 2]]) -> Vec<(usize, usize)> {
         let (mut first, mut second) = (MotionTree::default(), MotionTree::default());
         // Filled twice, to see that nothing is left over.
         first.fill(b.iter().chain(a).chain(a).copied());
         first.fill(a.iter().copied());
         second.fill(b.iter().copied());
         let mut found = Vec::new();
-        first.near(&second, reach, &mut |i, j| found.push((i, j)));
+        first.near(&second, &mut |i, j| found.push((i, j)));
         found.sort_unstable();
         found
     }
@@ -108,10 +107,10 @@ mod tests {
         let falling = |y: f64| [rect(0.0, y, 10.0, 1.0), rect(0.0, y - 500.0, 10.0, 1.0)];
         let stack: Vec<[Rect; 2]> = (0..20).map(|i| falling(30.0 * f64::from(i))).collect();
         let own: Vec<(usize, usize)> = (0..20).map(|i| (i, i)).collect();
-        assert_eq!(pairs(&stack, &stack, 1.0), own);
+        assert_eq!(pairs(&stack, &stack), own);
         let rising = [rect(0.0, -100.0, 10.0, 1.0), rect(0.0, 700.0, 10.0, 1.0)];
-        assert_eq!(pairs(&[rising], &stack, 1.0).len(), 20);
-        assert!(pairs(&[], &stack, 1.0).is_empty() && pairs(&stack, &[], 1.0).is_empty());
+        assert_eq!(pairs(&[rising], &stack).len(), 20);
+        assert!(pairs(&[], &stack).is_empty() && pairs(&stack, &[]).is_empty());
     }
 
     fn moving() -> impl Strategy<Value = [Rect; 2]> {
@@ -124,9 +123,9 @@ mod tests {
     proptest! {
         #[test]
         fn no_pair_that_meets_on_the_way_is_missed(
-            a in prop::collection::vec(moving(), 1..40), b in prop::collection::vec(moving(), 1..40), reach in 0.0..2.0f64,
+            a in prop::collection::vec(moving(), 1..40), b in prop::collection::vec(moving(), 1..40),
         ) {
-            let found = pairs(&a, &b, reach);
+            let found = pairs(&a, &b);
             prop_assert!(found.windows(2).all(|w| w[0] < w[1]), "every pair once");
             let at = |way: &[Rect; 2], t: f64| {
                 let along = |p: P2, q: P2| p + (q - p) * t;
@@ -136,7 +135,7 @@ mod tests {
                 for (j, b) in b.iter().enumerate() {
                     let meet = (0..=100).any(|k| {
                         let t = f64::from(k) / 100.0;
-                        at(a, t).grown(0.999 * reach).overlaps(&at(b, t))
+                        at(a, t).overlaps(&at(b, t))
                     });
                     prop_assert!(!meet || found.contains(&(i, j)), "{a:?} {b:?}");
                 }

@@ -157,12 +157,12 @@ impl Contacts {
         self.around.extend_from_slice(to);
         let outer = self.thickness_mm + REACH_MM + 2.0 * SLACK_MM;
         let [mut nodes, mut segments] = std::mem::take(&mut self.trees);
-        nodes.fill(x.iter().zip(to).map(|(p, q)| [Rect::around([p]), Rect::around([q])]));
+        nodes.fill(x.iter().zip(to).map(|(p, q)| [Rect::around([p]).grown(outer), Rect::around([q]).grown(outer)]));
         let swept = |[i, j]: &[usize; 2]| [Rect::around([&x[*i], &x[*j]]), Rect::around([&to[*i], &to[*j]])];
         segments.fill(self.segments.iter().map(swept));
         let mut pairs = std::mem::take(&mut self.pairs);
         pairs.clear();
-        nodes.near(&segments, outer, &mut |node, s| {
+        nodes.near(&segments, &mut |node, s| {
             let ends = self.segments[s];
             if ends[0] != node && ends[1] != node {
                 let gap = self.gap(node, ends);

@@ -18,9 +18,9 @@ pub(super) fn tangle(draft: &Draft) -> Option<P2> {
         segments.extend(nodes.windows(2).map(|w| [w[0], w[1]]));
     }
     let mut boxes = MotionTree::default();
-    boxes.fill(segments.iter().map(|s| [Rect::around([&x[s[0]], &x[s[1]]]); 2]));
+    boxes.fill(segments.iter().map(|s| [Rect::around([&x[s[0]], &x[s[1]]]).grown(TOUCH_MM); 2]));
     let mut found = None;
-    boxes.near(&boxes, TOUCH_MM, &mut |k, other| {
+    boxes.near(&boxes, &mut |k, other| {
         if other > k && found.is_none() && meet(&x, segments[k], segments[other]) {
             found = Some(nalgebra::center(&x[segments[k][0]], &x[segments[k][1]]));
         }
