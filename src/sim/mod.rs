@@ -73,6 +73,21 @@ pub enum Outcome {
     Failed,
 }
 
+/// Why a solve failed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Failure {
+    /// The iteration limit of the settings.
+    #[error(
+        "not at rest after {0} steps: a shape that is close to tipping or folding over, or a start too far from rest"
+    )]
+    Steps(usize),
+    /// No step lowers the energy any more, and forces do not balance: sheets are jammed, or rounding is reached.
+    #[error(
+        "no step leads nearer to rest: sheets are jammed, or forces are asked for more exactly than they can be worked out"
+    )]
+    NoDescent,
+}
+
 /// Where a strip came to rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
@@ -80,6 +95,8 @@ pub struct Equilibrium {
     pub positions: Vec<P2>,
     /// How the solve ended.
     pub outcome: Outcome,
+    /// Why, where it failed.
+    pub failure: Option<Failure>,
     /// Newton steps taken.
     pub iterations: usize,
     /// Largest unbalanced force component on a free node, N.

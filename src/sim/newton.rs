@@ -4,7 +4,7 @@ use super::contact_model::ContactModel;
 use super::model::Model;
 use super::plate::Plate;
 use super::turn::Turner;
-use super::{Error, Factorisation, LdlT, Outcome, Settings};
+use super::{Error, Factorisation, Failure, LdlT, Outcome, Settings};
 use crate::geom::{P2, V2};
 use crate::progress::{Observer, Progress};
 use crate::ruffle::Ruffle;
@@ -18,6 +18,8 @@ pub(super) struct System {
     pub settings: Settings,
     /// Unknowns that never move.
     pub held: Vec<bool>,
+    /// Why the last solve failed, if it did.
+    pub failure: Option<Failure>,
     turner: Turner,
     factorisation: LdlT,
     /// Whether the next step tries the exact Hessian.
@@ -92,6 +94,7 @@ impl System {
             plate: Plate::new(ruffle.node_count),
             settings: *settings,
             held,
+            failure: None,
             turner: Turner::new(ruffle.node_count, ruffle.segments())?,
             factorisation: LdlT::new(pattern),
             exact: true,
@@ -111,12 +114,14 @@ impl System {
         let mut energy = self.energy(x);
         self.exact = true;
         self.damping_n_per_mm = 0.0;
+        self.failure = None;
         loop {
             let residual = self.balance(x);
             if residual <= tolerance_n {
                 return Ok(Outcome::Converged);
             }
             if *iterations >= self.settings.max_iterations {
+                self.failure = Some(Failure::Steps(*iterations));
                 return Ok(Outcome::Failed);
             }
             let progress = Progress { stage: "folding", done: *iterations as u64, total: 0, note: String::new() };
@@ -127,7 +132,10 @@ impl System {
             self.make_room(x)?;
             match self.descend(x, energy, residual) {
                 Some(lower) => energy = lower,
-                None => return Ok(Outcome::Failed),
+                None => {
+                    self.failure = Some(Failure::NoDescent);
+                    return Ok(Outcome::Failed);
+                }
             }
         }
     }

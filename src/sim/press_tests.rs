@@ -104,6 +104,15 @@ fn taking_the_plate_away_lets_the_stack_spring_back() {
 }
 
 #[test]
+fn a_solve_that_fails_says_why() {
+    let (mut solver, start) = stack(3.0, 2);
+    let early = solver.solve(&start, &mut Quiet).unwrap();
+    assert_eq!((early.outcome, early.failure), (Outcome::Failed, Some(Failure::Steps(2))));
+    let (mut solver, start) = stack(3.0, 400);
+    assert_eq!(solver.solve(&start, &mut Quiet).unwrap().failure, None);
+}
+
+#[test]
 fn a_plate_that_would_pull_is_refused() {
     let (mut solver, _) = stack(5.0, 1);
     assert_eq!(solver.press(Some(-1.0)), Err(Error::PlateLoad { load_n: -1.0 }));

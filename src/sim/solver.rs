@@ -163,6 +163,7 @@ impl Solver {
         let outcome = self.system.settle(&mut x, self.system.settings.residual_n, &mut iterations, observer)?;
         Ok(Equilibrium {
             outcome,
+            failure: self.system.failure,
             iterations,
             residual_n: self.system.balance(&x),
             energy_n_mm: self.system.energy(&x),
