@@ -152,8 +152,7 @@ pub(super) fn stock(name: &str, width_mm: f64, height_mm: f64, profile: Option<&
 pub(super) fn run<'a>(sheet: &'a CutSheet, setup: &settings::Setup) -> Run<'a> {
     let cut = &setup.pairing.cut;
     let moves: &[Move] = &sheet.moves;
-    let names =
-        sheet.drawings.iter().map(|d| (d.outline().map_or(Rect::EMPTY, |o| o.bounds()).center(), d.name.clone()));
+    let names = sheet.drawings.iter().filter_map(|d| Some((d.outline()?.bounds().center(), d.name.clone())));
     let mut notes = vec![format!("{}, kerf {} mm", setup.profile.title, cut.kerf_mm)];
     if !cut.calibrated {
         notes.push("UNCALIBRATED: cut a small test piece first".into());

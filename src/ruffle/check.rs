@@ -138,7 +138,7 @@ impl Ruffle {
                 return Err(Flaw::Densification { index, first, end, count });
             }
         }
-        let inner_ends = || self.sections[1..].iter().map(|s| self.walk[s.first_segment]);
+        let inner_ends = || self.sections.iter().skip(1).map(|s| self.walk[s.first_segment]);
         let loose = self.densified.midpoints.iter().find(|node| !inner_ends().any(|end| end == **node));
         loose.map_or(Ok(()), |node| Err(Flaw::Midpoint { node: node.index() }))
     }

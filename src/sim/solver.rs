@@ -148,10 +148,10 @@ impl Solver {
         let floor = self.system.settings.floor_mm;
         let mut x: Vec<P2> = start.iter().map(|p| P2::new(p.x, p.y.max(floor))).collect();
         let untangled = self.enter(&mut x)?;
-        let mut iterations = 0;
+        let (mut iterations, mut coarse_iterations) = (0, 0);
         let far = self.system.model.max_strain(&x) > FAR_STRAIN;
         if !std::mem::replace(&mut self.warm, true) || untangled || far {
-            match self.nested_start(&x, &mut iterations, observer)? {
+            match self.nested_start(&x, &mut coarse_iterations, observer)? {
                 Some(near_rest) => x = near_rest,
                 None => self.soften(&mut x, &mut iterations, observer)?,
             }
@@ -164,7 +164,7 @@ impl Solver {
         Ok(Equilibrium {
             outcome,
             failure: self.system.failure,
-            iterations,
+            iterations: coarse_iterations + iterations,
             residual_n: self.system.balance(&x),
             energy_n_mm: self.system.energy(&x),
             plate_mm: self.system.plate.height_mm(&x),
@@ -179,9 +179,9 @@ impl Solver {
         let system = &mut self.system;
         let tolerance_n = system.settings.residual_n.max(system.model.weight_n() / x.len() as f64);
         system.model.set_stretch_share(SOFT_SHARE);
-        system.settle(x, tolerance_n, iterations, observer)?;
+        let settled = system.settle(x, tolerance_n, iterations, observer);
         system.model.set_stretch_share(1.0);
-        Ok(())
+        settled.map(|_| ())
     }
 
     fn check_start(&self, start: &[P2]) -> Result<(), Error> {

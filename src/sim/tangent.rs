@@ -67,6 +67,7 @@ impl Solver {
             ruffle.rest_lengths.iter().zip(&self.ruffle.rest_lengths).map(|(to, from)| to - from).collect();
         let moves = self.tangent(x, &by_mm)?;
         self.measure(ruffle, widths_mm)?;
+        self.admit(x)?;
         Ok(match moves {
             Some(moves) => self.system.walk_along(x, &moves),
             None => x.to_vec(),

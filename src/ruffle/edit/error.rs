@@ -37,7 +37,7 @@ pub enum EditError {
         section: usize,
     },
     /// A length that is not a positive number.
-    #[error("section {section} cannot be {length_mm} mm long; give it a positive length")]
+    #[error("section {section} cannot be {length_mm} mm long; give it one above 0 and up to 100 m")]
     Length {
         /// Section.
         section: usize,
@@ -45,7 +45,7 @@ pub enum EditError {
         length_mm: f64,
     },
     /// A segment or layer size that is not a positive number.
-    #[error("{what} is {value_mm} mm; it must be a positive number")]
+    #[error("{what} is {value_mm} mm; it must be above 0, and at most 100 m")]
     Size {
         /// Which.
         what: &'static str,

@@ -40,8 +40,11 @@ impl EditSettings {
     }
 }
 
+/// Longest section or layer, mm: no strip is a hundred metres long, and its segments would not fit into memory.
+const LONGEST_MM: f64 = 1e5;
+
 fn positive(what: &'static str, value_mm: f64) -> Result<(), EditError> {
-    let good = value_mm > 0.0 && value_mm.is_finite();
+    let good = value_mm > 0.0 && value_mm <= LONGEST_MM;
     if good { Ok(()) } else { Err(EditError::Size { what, value_mm }) }
 }
 
@@ -76,7 +79,7 @@ fn close(draft: &Draft, section: usize, before: Option<Room>, settings: &EditSet
 /// A length that is not positive, or that would make a loop crease or a void too small to reach into.
 pub fn set_length(drawn: &Drawn, section: usize, length_mm: f64, settings: &EditSettings) -> Result<Drawn, EditError> {
     let (mut draft, before) = open_at(drawn, section, settings)?;
-    if !(length_mm > 0.0 && length_mm.is_finite()) {
+    if !(length_mm > 0.0 && length_mm <= LONGEST_MM) {
         return Err(EditError::Length { section, length_mm });
     }
     let scale = length_mm / draft.parts[section].length_mm();
