@@ -22,9 +22,10 @@
 //!  toolpath   placed drawings, process   Toolpath: kerf, order                       drawing nest
 //!  gcode      Toolpath                   Program; parse, trace, planner, check       toolpath
 //!  preview    parts, moves               pictures: SVG, PNG; a page that plays them  drawing nest gcode cut ruffle extrude sim fit
+//!  stream     Program, bytes, time       bytes, events: a board fed line by line      gcode emulator
 //!  config     TOML                       Machine, Profile, and how they pair         -
 //!  job        Design                     everything above, in order, into files      all of these
-//!  cli        arguments                  calls of job, text, exit codes              job design preview gcode nest config
+//!  cli        arguments                  calls of job, text, exit codes              job design preview gcode nest config stream
 //! ```
 //!
 //! Four values carry most of the weight. A [`ruffle::Ruffle`] holds no positions: it is the walk of the strip over integer nodes, and wherever the walk meets
@@ -62,5 +63,6 @@ pub mod preview;
 pub mod progress;
 pub mod ruffle;
 pub mod sim;
+pub mod stream;
 pub mod strip;
 pub mod toolpath;

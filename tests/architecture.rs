@@ -21,6 +21,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("nest", &[]),
     ("toolpath", &["drawing", "nest"]),
     ("gcode", &["toolpath"]),
+    ("stream", &["gcode", "emulator"]),
     ("preview", &["drawing", "nest", "gcode", "cut", "ruffle", "extrude", "sim", "fit"]),
     (
         "job",
@@ -29,7 +30,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "toolpath", "gcode", "preview",
         ],
     ),
-    ("cli", &["job", "design", "preview", "gcode", "nest", "config"]),
+    ("cli", &["job", "design", "preview", "gcode", "nest", "config", "stream"]),
 ];
 const EVERYONE: &[&str] = &["geom", "progress"];
 

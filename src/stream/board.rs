@@ -1,0 +1,50 @@
+//! What is known of the board at the other end.
+
+use std::collections::BTreeMap;
+
+use super::reply::Firmware;
+
+/// What a board told about itself; GRBL 1.1's values where it has not told.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Board {
+    /// Its firmware.
+    pub firmware: Firmware,
+    /// Its version, as the banner or `$I` gave it; empty when neither did.
+    pub version: String,
+    /// Moves its planner holds.
+    pub blocks: usize,
+    /// Bytes its receive buffer holds.
+    pub rx_bytes: usize,
+    /// Its settings `$n`, by number, in the board's own units.
+    pub settings: BTreeMap<u16, f64>,
+    /// Where work zero lies in machine coordinates, mm; `None` before the first report that says so.
+    pub offset_mm: Option<[f64; 3]>,
+    /// It has been homed since it was opened, with this session.
+    pub homed: bool,
+}
+
+impl Default for Board {
+    fn default() -> Board {
+        Board {
+            firmware: Firmware::Grbl,
+            version: String::new(),
+            blocks: 15,
+            rx_bytes: 128,
+            settings: BTreeMap::new(),
+            offset_mm: None,
+            homed: false,
+        }
+    }
+}
+
+impl Board {
+    /// A setting that is on or off; `None` when the board has not told.
+    pub fn switch(&self, number: u16) -> Option<bool> {
+        self.settings.get(&number).map(|v| *v != 0.0)
+    }
+
+    /// Reports come in inches ($13).
+    pub(super) fn inches(&self) -> bool {
+        self.switch(13) == Some(true)
+    }
+}

@@ -1,0 +1,33 @@
+//! The machine on the line: programs go to a board, and what it says comes back as events.
+//!
+//! ```text
+//! bytes, time, commands --Session--> bytes, events
+//! ```
+//!
+//! [`Session`] has no clock, no port and no thread: it is told what came and when, and says what to write. Lines are counted into the board's receive
+//! buffer; each answer is matched to its line; a line that makes the board write its memory goes alone and at rest. Whatever goes wrong ends in a
+//! hold, a wait for rest and a reset, and in an account of which lines are carried out. The protocol is that of GRBL 1.1
+//! (<https://github.com/gnea/grbl/wiki/Grbl-v1.1-Interface>), which grblHAL and FluidNC speak too.
+
+mod advice;
+mod board;
+mod event;
+mod ledger;
+mod overrides;
+mod realtime;
+mod reply;
+mod sendable;
+mod session;
+mod status;
+mod trouble;
+mod window;
+
+pub use advice::{alarm_advice, error_advice};
+pub use board::Board;
+pub use event::{Action, Command, Ending, Event, Lines, Outcome};
+pub use ledger::Progress;
+pub use realtime::Override;
+pub use reply::Firmware;
+pub use session::{Session, Settings};
+pub use status::{State, Status};
+pub use trouble::Trouble;

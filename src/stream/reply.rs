@@ -1,0 +1,166 @@
+//! What a board sends, line by line.
+
+use super::status::Status;
+
+/// The firmware a board runs. Some alarms and errors mean different things on each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Firmware {
+    /// GRBL 1.1.
+    Grbl,
+    /// grblHAL.
+    GrblHal,
+    /// FluidNC.
+    FluidNc,
+}
+
+/// One line of a board's.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Reply {
+    /// A line was taken.
+    Ok,
+    /// A line was refused.
+    Error(u16),
+    /// Something is wrong; the board is locked.
+    Alarm(u16),
+    /// The board has started.
+    Banner { firmware: Firmware, version: String },
+    /// A status report.
+    Status(Status),
+    /// `$n=v`.
+    Setting(u16, f64),
+    /// `[OPT:...,blocks,bytes]` of `$I`.
+    Buffers { blocks: usize, bytes: usize },
+    /// `[VER:...]` of `$I`.
+    Version(String),
+    /// `[MSG:...]`.
+    Message(String),
+    /// Any other answer, for people.
+    Text(String),
+}
+
+impl Firmware {
+    /// The name people read.
+    pub fn title(self) -> &'static str {
+        match self {
+            Firmware::Grbl => "GRBL",
+            Firmware::GrblHal => "grblHAL",
+            Firmware::FluidNc => "FluidNC",
+        }
+    }
+
+    /// Longest line it takes, in characters without the line feed.
+    pub(super) fn line_chars(self) -> usize {
+        match self {
+            Firmware::Grbl => 79,
+            Firmware::GrblHal | Firmware::FluidNc => 254,
+        }
+    }
+}
+
+impl Reply {
+    /// Reads a line without its line feed; `None` for an empty one. Only `ok` alone and `error:n` alone answer a line: `>startup:ok` does not,
+    /// nor does what noise has made of them.
+    pub(super) fn parse(line: &str, inches: bool) -> Option<Reply> {
+        let line = line.trim();
+        if line.is_empty() {
+            return None;
+        }
+        let text = || Reply::Text(line.to_owned());
+        let coded = |code: &str| code.parse::<u16>().ok();
+        Some(if line == "ok" {
+            Reply::Ok
+        } else if let Some(code) = line.strip_prefix("error:").and_then(coded) {
+            Reply::Error(code)
+        } else if let Some(code) = line.strip_prefix("ALARM:").and_then(coded) {
+            Reply::Alarm(code)
+        } else if line.starts_with('<') {
+            Status::parse(line, inches).map_or_else(text, Reply::Status)
+        } else if let Some(banner) = banner(line) {
+            banner
+        } else if let Some(setting) = line.strip_prefix('$') {
+            setting_of(setting).unwrap_or_else(text)
+        } else if let Some(inside) = line.strip_prefix('[').and_then(|l| l.strip_suffix(']')) {
+            bracketed(inside).unwrap_or_else(text)
+        } else {
+            text()
+        })
+    }
+}
+
+fn banner(line: &str) -> Option<Reply> {
+    let (word, rest) = line.split_once(' ')?;
+    let version = rest.split_whitespace().next().unwrap_or("").to_owned();
+    if !version.starts_with(|c: char| c.is_ascii_digit()) {
+        return None;
+    }
+    let firmware = match word {
+        "GrblHAL" => Firmware::GrblHal,
+        "Grbl" if rest.contains("FluidNC") => Firmware::FluidNc,
+        "Grbl" => Firmware::Grbl,
+        _ => return None,
+    };
+    Some(Reply::Banner { firmware, version })
+}
+
+fn setting_of(text: &str) -> Option<Reply> {
+    let (number, value) = text.split_once('=')?;
+    // Older boards put a description in parentheses behind the value.
+    let value = value.split([' ', '(']).next()?;
+    Some(Reply::Setting(number.parse().ok()?, value.parse().ok()?))
+}
+
+fn bracketed(inside: &str) -> Option<Reply> {
+    let (key, value) = inside.split_once(':')?;
+    match key {
+        "MSG" => Some(Reply::Message(value.to_owned())),
+        "VER" => Some(Reply::Version(value.trim_end_matches(':').to_owned())),
+        "OPT" => {
+            let mut parts = value.split(',').skip(1);
+            let blocks = parts.next()?.parse().ok()?;
+            Some(Reply::Buffers { blocks, bytes: parts.next()?.parse().ok()? })
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(line: &str) -> Option<Reply> {
+        Reply::parse(line, false)
+    }
+
+    #[test]
+    fn only_ok_and_error_answer_a_line() {
+        assert_eq!(read("ok\r"), Some(Reply::Ok));
+        assert_eq!(read("error:20"), Some(Reply::Error(20)));
+        for text in [">G54G20:ok", "okok", "o", "eror:9", "error:x", "k"] {
+            assert_eq!(read(text), Some(Reply::Text(text.into())), "{text}");
+        }
+        assert_eq!(read("  "), None);
+    }
+
+    #[test]
+    fn every_firmware_is_known_by_its_banner() {
+        let cases = [
+            ("Grbl 1.1h ['$' for help]", Firmware::Grbl, "1.1h"),
+            ("GrblHAL 1.1f ['$' or '$HELP' for help]", Firmware::GrblHal, "1.1f"),
+            ("Grbl 3.7 [FluidNC v3.7.8 (wifi) '$' for help]", Firmware::FluidNc, "3.7"),
+        ];
+        for (line, firmware, version) in cases {
+            assert_eq!(read(line), Some(Reply::Banner { firmware, version: version.into() }));
+        }
+        assert_eq!(read("Grbl is busy"), Some(Reply::Text("Grbl is busy".into())));
+    }
+
+    #[test]
+    fn settings_buffers_and_messages_are_values() {
+        assert_eq!(read("$30=1000"), Some(Reply::Setting(30, 1000.0)));
+        assert_eq!(read("$110=500.000 (x max rate, mm/min)"), Some(Reply::Setting(110, 500.0)));
+        assert_eq!(read("$N0=G54"), Some(Reply::Text("$N0=G54".into())));
+        assert_eq!(read("[OPT:VNMSL,35,1024,3,0]"), Some(Reply::Buffers { blocks: 35, bytes: 1024 }));
+        assert_eq!(read("[MSG:'$H'|'$X' to unlock]"), Some(Reply::Message("'$H'|'$X' to unlock".into())));
+        assert_eq!(read("ALARM:2"), Some(Reply::Alarm(2)));
+    }
+}

@@ -1,0 +1,138 @@
+//! What goes out: questions, orders and the lines of a job.
+
+use super::{Job, Phase, Session};
+use crate::stream::event::{Action, Event};
+use crate::stream::sendable::{Sendable, sendable};
+use crate::stream::status::State;
+use crate::stream::trouble::Trouble;
+use crate::stream::window::{Entry, Kind};
+
+/// Switches the beam off behind a job, whatever the job did.
+const DARK: &str = "M5S0";
+
+/// What is asked first: version and buffers, settings, stored places, modes.
+const QUESTIONS: [&str; 4] = ["$I", "$$", "$#", "$G"];
+
+/// How far from its end a job may be found, mm: numbers have three decimals and steps are up to 1/40 mm.
+const PLACE_MM: f64 = 0.05;
+
+/// Reports of rest that are needed where a report does not tell how full the planner is: a first one may come between a line's answer and its
+/// start.
+const REST_REPORTS: u32 = 2;
+
+impl Session {
+    /// Begins to ask a board that has spoken.
+    pub(super) fn ask(&mut self) {
+        self.phase = Phase::Asking;
+        self.window.clear();
+        self.alone = QUESTIONS.iter().map(|q| (*q).to_owned()).collect();
+    }
+
+    /// Longest line the board takes, in characters without the line feed.
+    pub(super) fn line_limit(&self) -> usize {
+        self.board.firmware.line_chars().min(self.board.rx_bytes - 1)
+    }
+
+    /// True when the board has said often enough that it rests, since a line was last sent.
+    pub(super) fn rested(&self) -> bool {
+        let tells_blocks = self.status.as_ref().is_some_and(|s| s.free.is_some());
+        self.window.is_empty() && self.rest_reports >= if tells_blocks { 1 } else { REST_REPORTS }
+    }
+
+    /// Sends what there is room for.
+    pub(super) fn fill(&mut self) {
+        if !matches!(self.phase, Phase::Asking | Phase::Ready) || self.deaf {
+            return;
+        }
+        let mut bytes = Vec::new();
+        let trouble = loop {
+            match self.next_line() {
+                Ok(Some((kind, line))) => {
+                    if let (Kind::Job(number), Some(job)) = (kind, &mut self.job) {
+                        job.ledger.sent(number);
+                    }
+                    bytes.extend(line.text.bytes());
+                    bytes.push(b'\n');
+                    self.rest_reports = 0;
+                    self.idle_since = None;
+                    self.window.push(Entry { text: line.text, kind, alone: line.alone, dwell_s: line.dwell_s });
+                }
+                Ok(None) => break None,
+                Err(trouble) => break Some(trouble),
+            }
+        };
+        if !bytes.is_empty() {
+            self.out.push(Action::Write(bytes));
+        }
+        if let Some(trouble) = trouble {
+            self.fail(trouble);
+        }
+    }
+
+    /// The next line that may go now: orders first, then the job's, then the one that darkens the beam behind it.
+    fn next_line(&mut self) -> Result<Option<(Kind, Sendable)>, Trouble> {
+        if self.window.first().is_some_and(|entry| entry.alone) {
+            return Ok(None);
+        }
+        let by_itself = |text: String| (Kind::Order, Sendable { text, alone: true, dwell_s: 0.0 });
+        if !self.alone.is_empty() {
+            return Ok(if self.window.is_empty() { self.alone.pop_front().map(by_itself) } else { None });
+        }
+        let (limit, rested) = (self.line_limit(), self.rested());
+        let Some(job) = &mut self.job else { return Ok(None) };
+        if job.next.is_none() {
+            job.next = read_on(job, limit)?;
+        }
+        match &job.next {
+            Some((_, line)) if line.alone && !rested => Ok(None),
+            Some((_, line)) if !self.window.has_room(line.text.len(), self.board.rx_bytes) => Ok(None),
+            Some(_) => Ok(job.next.take().map(|(number, line)| (Kind::Job(number), line))),
+            None if job.darkened || !self.window.is_empty() => Ok(None),
+            None => {
+                job.darkened = true;
+                Ok(Some(by_itself(DARK.to_owned())))
+            }
+        }
+    }
+
+    /// Ends a job whose lines are all carried out.
+    pub(super) fn end_when_done(&mut self) {
+        let all_sent = self.job.as_ref().is_some_and(|job| job.read && job.next.is_none() && job.darkened);
+        if !all_sent || !self.alone.is_empty() || !self.rested() {
+            return;
+        }
+        let expected_mm = self.job.as_ref().and_then(|job| job.ends_at_mm);
+        let found_mm = self.status.as_ref().and_then(|s| s.work_mm).map(|[x, y, _]| [x, y]);
+        if let (Some(expected_mm), Some(found_mm)) = (expected_mm, found_mm)
+            && self.state() == Some(State::Idle)
+            && (0..2).any(|k| (expected_mm[k] - found_mm[k]).abs() > PLACE_MM)
+        {
+            return self.fail(Trouble::WrongPlace { expected_mm, found_mm });
+        }
+        self.finish_done();
+    }
+
+    /// Trouble: tells it and ends the job; without one it is only told.
+    pub(super) fn fail(&mut self, trouble: Trouble) {
+        self.tell(Event::Trouble(trouble.clone()));
+        if self.job.is_some() {
+            self.brake(Some(trouble));
+        }
+    }
+}
+
+fn read_on(job: &mut Job, limit: usize) -> Result<Option<(usize, Sendable)>, Trouble> {
+    while !job.read {
+        let Some(line) = job.lines.next() else {
+            job.read = true;
+            break;
+        };
+        job.number += 1;
+        let number = job.number;
+        let line = line.map_err(|e| Trouble::Unreadable { line: number, reason: e.to_string() })?;
+        if let Some(line) = sendable(&line, number, limit)? {
+            return Ok(Some((number, line)));
+        }
+    }
+    Ok(None)
+}
