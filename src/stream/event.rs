@@ -49,6 +49,8 @@ pub enum Command {
     Stop,
     /// Reset at once, even while moving: the position may be lost.
     Reset,
+    /// The user goes away: whatever still runs is stopped as by [`Command::Stop`], once.
+    Close,
 }
 
 /// What a session wants done.

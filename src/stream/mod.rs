@@ -1,7 +1,8 @@
 //! The machine on the line: programs go to a board, and what it says comes back as events.
 //!
 //! ```text
-//! bytes, time, commands --Session--> bytes, events
+//! bytes, time, commands --Session--> bytes, events        Link: a session on a thread, with a Port and the clock
+//! moves, Board --preflight--> findings                    before the first line is sent
 //! ```
 //!
 //! [`Session`] has no clock, no port and no thread: it is told what came and when, and says what to write. Lines are counted into the board's receive
@@ -13,7 +14,10 @@ mod advice;
 mod board;
 mod event;
 mod ledger;
+mod link;
 mod overrides;
+mod port;
+mod preflight;
 mod realtime;
 mod reply;
 mod sendable;
@@ -26,6 +30,9 @@ pub use advice::{alarm_advice, error_advice};
 pub use board::Board;
 pub use event::{Action, Command, Ending, Event, Lines, Outcome};
 pub use ledger::Progress;
+pub use link::Link;
+pub use port::{Address, Listed, OpenError, Port, list_ports};
+pub use preflight::{Demand, Expected, Finding, Weight, header_value, preflight};
 pub use realtime::Override;
 pub use reply::Firmware;
 pub use session::{Session, Settings};

@@ -156,6 +156,11 @@ impl Session {
         matches!(self.phase, Phase::Ready) && self.job.is_none()
     }
 
+    /// True while a job runs or something is being stopped.
+    pub fn is_busy(&self) -> bool {
+        self.job.is_some() || matches!(self.phase, Phase::Stopping(_))
+    }
+
     /// Bytes have come.
     pub fn on_bytes(&mut self, now: Duration, bytes: &[u8]) -> Vec<Action> {
         self.now = now;
@@ -211,6 +216,11 @@ impl Session {
             Command::Override(which, percent) => self.overrides.want(which, percent),
             Command::Stop => self.stop(),
             Command::Reset => self.reset(),
+            Command::Close => {
+                if self.job.is_some() && !matches!(self.phase, Phase::Stopping(_)) {
+                    self.stop();
+                }
+            }
             Command::Run { lines, ends_at_mm } => {
                 if self.free_for_orders() {
                     self.start(lines, ends_at_mm);
