@@ -9,8 +9,10 @@ mod files;
 mod machine;
 mod make;
 mod output;
+mod ports;
 mod preview;
 mod profile;
+mod send;
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -35,6 +37,10 @@ pub enum Command {
     Check(check::Args),
     /// Look at what a machine will do with a G-code file: a page that plays it, or a picture
     Preview(preview::Args),
+    /// Send G-code to a machine and stay with it to the end
+    Send(send::Args),
+    /// List the ports a machine's board may hang on
+    Ports(ports::Args),
     /// Cutters: list them, show one, check a file of your own
     #[command(subcommand)]
     Machine(files::Command),
@@ -52,6 +58,8 @@ impl Command {
             Command::Make(args) => make::run(args),
             Command::Check(args) => check::run(&args),
             Command::Preview(args) => preview::run(args),
+            Command::Send(args) => send::run(&args),
+            Command::Ports(args) => ports::run(&args),
             Command::Machine(command) => machine::run(command),
             Command::Profile(command) => profile::run(command),
             Command::Completions(args) => completions::run(args),
@@ -66,6 +74,8 @@ pub enum Exit {
     Refused,
     /// 2: wrong usage, or a file or setting that is not in order.
     Config,
+    /// 3: the machine reports an error or an alarm, or does not answer.
+    Machine,
 }
 
 impl Exit {
@@ -78,6 +88,7 @@ impl From<Exit> for ExitCode {
         ExitCode::from(match exit {
             Exit::Refused => 1,
             Exit::Config => 2,
+            Exit::Machine => 3,
         })
     }
 }
