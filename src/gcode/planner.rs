@@ -6,16 +6,9 @@
 
 use std::collections::VecDeque;
 
-use super::arc_words::chord_count;
 use super::feeder::{Arrival, Feeder};
 use super::{Action, Move};
 use crate::geom::{P3, V3};
-
-/// Cosines beyond this count as straight on or straight back (planner.c).
-const STRAIGHT_COSINE: f64 = 0.999_999;
-
-/// GRBL runs no feed slower than this (MINIMUM_FEED_RATE), mm/min.
-const MIN_FEED_MM_PER_MIN: f64 = 1.0;
 
 /// What the controller can do; axes are x, y, z. All above 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -144,15 +137,11 @@ impl Planner {
             self.feeder.receive(m.bytes, !stands);
         }
         match m.action {
-            Action::Rapid => self.add(index, m.from, m.to, f64::INFINITY, sink),
-            Action::Line => self.add(index, m.from, m.to, m.feed_mm_per_min, sink),
-            Action::Arc { radius_mm, sweep_rad, .. } => {
-                let chords = chord_count(radius_mm, sweep_rad, self.limits.arc_tolerance_mm);
+            Action::Rapid | Action::Line | Action::Arc { .. } => {
+                let feed_mm_per_min = if m.feeds() { m.feed_mm_per_min } else { f64::INFINITY };
                 let mut from = m.from;
-                for k in 1..=chords as u64 {
-                    let t = k as f64 / chords;
-                    let to = if t >= 1.0 { m.to } else { m.point_at(t) };
-                    self.add(index, from, to, m.feed_mm_per_min, sink);
+                for to in self.limits.ends(m) {
+                    self.add(index, from, to, feed_mm_per_min, sink);
                     from = to;
                 }
             }
@@ -205,12 +194,13 @@ impl Planner {
             self.run_first(None, sink);
         }
         let direction = delta / length_mm;
-        let rapid = along(self.limits.max_rate_mm_per_min, direction);
-        let nominal = feed_mm_per_min.max(MIN_FEED_MM_PER_MIN).min(rapid) / 60.0;
-        let acceleration = along(self.limits.acceleration_mm_per_s2, direction);
+        let nominal = self.limits.feed_mm_per_s(feed_mm_per_min, direction);
+        let acceleration = self.limits.acceleration_mm_per_s2(direction);
         let max_entry_squared = match self.last {
             None => 0.0,
-            Some((before, speed)) => self.corner_squared(before, direction).min(nominal * nominal).min(speed * speed),
+            Some((before, speed)) => {
+                self.limits.corner_squared(before, direction).min(nominal * nominal).min(speed * speed)
+            }
         };
         self.last = Some((direction, nominal));
         let places = self.limits.planner_blocks;
@@ -225,22 +215,6 @@ impl Planner {
         }
         let arrival = self.feeder.last();
         self.queue.push_back(Block { index, length_mm, nominal, acceleration, max_entry_squared, arrival });
-    }
-
-    /// Square of the speed at which a corner may be taken: v^2 = a d sin(t/2) / (1 - sin(t/2)), where t is the angle between the two
-    /// lines, d the junction deviation and a the acceleration across the corner (planner.c, plan_buffer_line).
-    fn corner_squared(&self, before: V3, after: V3) -> f64 {
-        let cosine = -before.dot(&after);
-        if cosine > STRAIGHT_COSINE {
-            return 0.0;
-        }
-        if cosine < -STRAIGHT_COSINE {
-            return f64::INFINITY;
-        }
-        let across = (after - before).normalize();
-        let acceleration = along(self.limits.acceleration_mm_per_s2, across);
-        let sine = (0.5 * (1.0 - cosine)).sqrt();
-        acceleration * self.limits.junction_deviation_mm * sine / (1.0 - sine)
     }
 
     /// Runs all that is queued; the line after it, read at `read_s`, makes the machine rest.
@@ -335,11 +309,6 @@ impl Block {
         let ramps = (2.0 * peak * peak - entry_squared - exit_squared) / (2.0 * a);
         (peak, (2.0 * peak - v0 - v1) / a + (self.length_mm - ramps).max(0.0) / peak)
     }
-}
-
-/// The greatest value along a direction that keeps every axis within its own limit.
-fn along(limits: [f64; 3], direction: V3) -> f64 {
-    limits.iter().zip(direction.iter()).map(|(limit, d)| limit / d.abs()).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]

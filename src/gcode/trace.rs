@@ -48,23 +48,23 @@ pub(super) fn sent_bytes(text: &str) -> usize {
 pub(super) struct Tracer {
     line: usize,
     bytes: usize,
-    position: P3,
-    motion: Motion,
-    plane: Plane,
-    inches: bool,
-    incremental: bool,
-    inverse_time: bool,
+    pub(super) position: P3,
+    pub(super) motion: Motion,
+    pub(super) plane: Plane,
+    pub(super) inches: bool,
+    pub(super) incremental: bool,
+    pub(super) inverse_time: bool,
     /// Origins of G54 to G59.
-    offsets: [V3; 6],
-    offset: usize,
+    pub(super) offsets: [V3; 6],
+    pub(super) offset: usize,
     /// G92.
-    shift: V3,
-    tool_length_mm: f64,
-    feed_mm_per_min: f64,
-    power_s: f64,
-    beam: Beam,
+    pub(super) shift: V3,
+    pub(super) tool_length_mm: f64,
+    pub(super) feed_mm_per_min: f64,
+    pub(super) power_s: f64,
+    pub(super) beam: Beam,
     /// Mist (M7) and flood (M8).
-    coolant: [bool; 2],
+    pub(super) coolant: [bool; 2],
 }
 
 impl Tracer {
@@ -88,6 +88,11 @@ impl Tracer {
             beam: Beam::Off,
             coolant: [false; 2],
         }
+    }
+
+    /// GRBL as it starts at a position with these origins of G54 to G59.
+    pub(super) fn at(position: P3, offsets: [V3; 6]) -> Tracer {
+        Tracer { position, offsets, ..Tracer::new() }
     }
 
     /// Carries one line out, appending what it makes the machine do. A refused line changes nothing, as on GRBL.
@@ -273,7 +278,7 @@ impl Tracer {
     }
 
     /// Where the program's zero lies.
-    fn origin(&self) -> V3 {
+    pub(super) fn origin(&self) -> V3 {
         self.offsets[self.offset] + self.shift + V3::new(0.0, 0.0, self.tool_length_mm)
     }
 
