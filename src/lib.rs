@@ -22,6 +22,7 @@
 //!  toolpath   placed drawings, process   Toolpath: kerf, order                       drawing nest
 //!  gcode      Toolpath                   Program; parse, trace, planner, check       toolpath
 //!  preview    parts, moves               pictures: SVG, PNG; a page that plays them  drawing nest gcode cut ruffle extrude sim fit
+//!  emulator   bytes and time             bytes, and what the machine did             gcode
 //!  stream     Program, bytes, time       bytes, events: a board fed line by line      gcode emulator
 //!  config     TOML                       Machine, Profile, and how they pair         -
 //!  job        Design                     everything above, in order, into files      all of these
@@ -52,6 +53,7 @@ pub mod config;
 pub mod cut;
 pub mod design;
 pub mod drawing;
+pub mod emulator;
 pub mod extrude;
 pub mod fit;
 pub mod gcode;

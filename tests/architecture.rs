@@ -21,6 +21,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("nest", &[]),
     ("toolpath", &["drawing", "nest"]),
     ("gcode", &["toolpath"]),
+    ("emulator", &["gcode"]),
     ("stream", &["gcode", "emulator"]),
     ("preview", &["drawing", "nest", "gcode", "cut", "ruffle", "extrude", "sim", "fit"]),
     (

@@ -1,0 +1,61 @@
+//! Bytes become lines as in GRBL's main loop (protocol.c): blanks, comments and `/` dropped, small letters raised, too long lines told.
+
+/// Characters a line may have (LINE_BUFFER_SIZE - 1).
+const MAX_LINE: usize = 79;
+
+/// A line as the controller sees it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Text {
+    Line(String),
+    TooLong,
+}
+
+/// The line being gathered.
+#[derive(Debug, Default)]
+pub(super) struct Assembler {
+    line: String,
+    in_parentheses: bool,
+    after_semicolon: bool,
+    overflow: bool,
+}
+
+impl Assembler {
+    /// Takes a byte; a line feed or a carriage return ends the line.
+    pub(super) fn take(&mut self, byte: u8) -> Option<Text> {
+        if byte == b'\n' || byte == b'\r' {
+            let done = std::mem::take(self);
+            return Some(if done.overflow { Text::TooLong } else { Text::Line(done.line) });
+        }
+        if self.in_parentheses || self.after_semicolon || self.overflow {
+            self.in_parentheses &= byte != b')';
+            return None;
+        }
+        match byte {
+            0..=b' ' | b'/' => {}
+            b'(' => self.in_parentheses = true,
+            b';' => self.after_semicolon = true,
+            _ if self.line.len() >= MAX_LINE => self.overflow = true,
+            _ => self.line.push(char::from(byte.to_ascii_uppercase())),
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(text: &str) -> Vec<Text> {
+        let mut assembler = Assembler::default();
+        text.bytes().filter_map(|b| assembler.take(b)).collect()
+    }
+
+    #[test]
+    fn blanks_and_comments_are_dropped_and_a_carriage_return_ends_a_line_too() {
+        let line = |t: &str| Text::Line(t.into());
+        assert_eq!(lines("g1 x1(a ; b)y2 ; c\r\n/M5\n"), [line("G1X1Y2"), line(""), line("M5")]);
+        let long = "x".repeat(79);
+        assert_eq!(lines(&format!("{long}\n")), [line(&long.to_uppercase())]);
+        assert_eq!(lines(&format!("{long}x\nM5\n")), [Text::TooLong, line("M5")]);
+    }
+}
