@@ -63,9 +63,13 @@ impl Board {
     fn g_code(&mut self, text: &str) -> Result<VecDeque<Step>, u8> {
         let program = parse(text).map_err(|e| e.grbl_error)?;
         let Some(line) = program.lines.first() else { return Ok(answer(None)) };
+        let says = |codes: &[f64]| line.words.iter().any(|w| w.letter == 'M' && codes.contains(&w.value));
+        if says(&[7.0]) {
+            // Mist is not built in (config.h, ENABLE_M7).
+            return Err(20);
+        }
         let before = self.interpreter.clone();
         let moves = self.interpreter.line(line).map_err(|problem| problem.grbl_error())?;
-        let says = |codes: &[f64]| line.words.iter().any(|w| w.letter == 'M' && codes.contains(&w.value));
         let (modal, was) = (self.interpreter.modal(), before.modal());
         if self.interpreter.origin() != before.origin() {
             self.reports_to_wco = 0;

@@ -1,0 +1,14 @@
+//! The emulated board against what GRBL 1.1h was measured to do.
+
+#[path = "emulator/bench.rs"]
+mod bench;
+#[path = "emulator/beam.rs"]
+mod beam;
+#[path = "emulator/faults.rs"]
+mod faults;
+#[path = "emulator/states.rs"]
+mod states;
+#[path = "emulator/transcript.rs"]
+mod transcript;
+#[path = "emulator/truth.rs"]
+mod truth;
