@@ -1,9 +1,9 @@
 //! The emulated board against what GRBL 1.1h was measured to do.
 
-#[path = "emulator/bench.rs"]
-mod bench;
 #[path = "emulator/beam.rs"]
 mod beam;
+#[path = "emulator/bench.rs"]
+mod bench;
 #[path = "emulator/faults.rs"]
 mod faults;
 #[path = "emulator/states.rs"]
