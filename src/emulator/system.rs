@@ -54,7 +54,9 @@ impl Board {
     fn store(&mut self, command: &str) -> Result<VecDeque<Step>, u8> {
         let (number, value) = command.split_once('=').ok_or(3)?;
         let number = number.parse().map_err(|_| 3)?;
-        let value: f64 = value.parse().map_err(|_| 2)?;
+        // GRBL knows neither exponents nor names for numbers.
+        let plain = value.bytes().all(|b| matches!(b, b'0'..=b'9' | b'.' | b'-' | b'+'));
+        let value: f64 = value.parse().ok().filter(|_| plain).ok_or(2)?;
         let written = self.settings.store(number, value)?;
         self.apply_settings();
         Ok([Step::Eeprom(written), Step::Answer(None)].into())

@@ -83,3 +83,99 @@ fn the_same_faults_give_the_same_bytes() {
     };
     assert_eq!(run(), run());
 }
+
+/// A small linear congruential generator (Knuth's MMIX constants).
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as usize % n
+    }
+}
+
+#[test]
+fn no_bytes_and_no_faults_make_the_board_hang_or_its_trace_jump() {
+    const LINES: &[&str] = &[
+        "G1X10F6000\n",
+        "G0X0Y0\n",
+        "G2X5Y5I2.5J2.5F900\n",
+        "M3S500\n",
+        "M4S900\n",
+        "M5\n",
+        "G1Y3S1\n",
+        "M0\n",
+        "M2\n",
+        "G4P0.05\n",
+        "$J=G91X3F900\n",
+        "$X\n",
+        "$H\n",
+        "$C\n",
+        "$110=nan\n",
+        "$12=0\n",
+        "$32=0\n",
+        "$32=1\n",
+        "$22=1\n",
+        "$20=1\n",
+        "$RST=*\n",
+        "$SLP\n",
+        "G10L20P1X0Y0\n",
+        "G92X1\n",
+        "G91X0.001\n",
+        "G90\n",
+        "X1e9\n",
+        "G1X1",
+        "\r",
+        "(",
+        "G28\n",
+        "$$\n",
+        "G53G0X-3\n",
+        "G93\n",
+        "S-\n",
+    ];
+    const BYTES: &[u8] =
+        &[0x18, b'?', b'~', b'~', b'!', b'~', 0x84, 0x85, 0x91, 0x92, 0x96, 0x97, 0x99, 0x9B, 0x9E, 0xFF, 0x7F, 0];
+    let mut segments = 0;
+    for seed in 0..150 {
+        let mut random = Random(seed);
+        let mut bench = Bench::ready(&[(21, f64::from(u8::from(seed % 2 == 0)))]);
+        for _ in 0..300 {
+            match random.below(40) {
+                0 => bench.board.set_switch(random.below(3), random.below(2) == 0),
+                1 => {
+                    let faults =
+                        [Fault::DropIn(2), Fault::CorruptIn(3), Fault::TornLine, Fault::Reset, Fault::CorruptOut(2)];
+                    bench.board.schedule(When::At(bench.now_s + 0.01), faults[random.below(faults.len())]);
+                }
+                // Otherwise most boards would end locked or asleep.
+                2..5 => {
+                    bench.send(&[0x18]);
+                    bench.wait(0.02);
+                    bench.send(b"\n$X\n");
+                    bench.wait(0.02);
+                }
+                5..12 => bench.send(&[BYTES[random.below(BYTES.len())]]),
+                _ => bench.send(LINES[random.below(LINES.len())].as_bytes()),
+            }
+            bench.wait(0.001 * random.below(100) as f64);
+            bench.lines();
+        }
+        let trace = bench.board.take_trace();
+        for s in &trace {
+            assert!(
+                s.end_s > s.start_s && s.end_s.is_finite() && (0.0..=1.0).contains(&s.start_power),
+                "seed {seed}: {s:?}"
+            );
+            assert!((0.0..=1.0).contains(&s.end_power), "seed {seed}: {s:?}");
+            let way_mm = 0.5 * (s.start_mm_per_s + s.end_mm_per_s) * (s.end_s - s.start_s);
+            assert!((s.length_mm() - way_mm).abs() < 1e-4, "seed {seed}: {way_mm} {s:?}");
+        }
+        segments += trace.len();
+        for pair in trace.windows(2) {
+            assert!(pair[0].end_s <= pair[1].start_s + 1e-9, "seed {seed}: {pair:?}");
+            // Homing takes the head for where the switches are: to rounding.
+            assert!((pair[0].to_mm - pair[1].from_mm).norm() < 1e-6, "seed {seed}: {pair:?}");
+        }
+    }
+    assert!(segments > 5000, "the boards must have done something: {segments}");
+}
