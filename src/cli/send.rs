@@ -31,7 +31,7 @@ pub struct Args {
     /// Machine it goes to (see `furbelow machine list`), or a path
     #[arg(short, long)]
     machine: String,
-    /// Where its board hangs (see `furbelow ports`): a device, or tcp:HOST[:PORT]
+    /// Where its board hangs (see `furbelow ports`): a device, tcp:HOST[:PORT], or emulator
     #[arg(long)]
     port: String,
     /// The setup checklist is done: do not ask

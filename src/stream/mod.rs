@@ -12,6 +12,7 @@
 
 mod advice;
 mod board;
+mod emulated;
 mod event;
 mod ledger;
 mod link;

@@ -1,5 +1,6 @@
 //! The wire: a serial line (or a pseudo-terminal, which opens like one) or a telnet socket.
 
+use super::emulated::Emulated;
 use std::fmt;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -41,6 +42,8 @@ pub enum Address {
     Device(PathBuf),
     /// A host and port on the network.
     Network(String, u16),
+    /// A board in the computer.
+    Emulator,
 }
 
 /// A port that cannot be opened.
@@ -63,8 +66,11 @@ pub struct Listed {
 }
 
 impl Address {
-    /// Reads what users type: `tcp:HOST`, `tcp:HOST:PORT`, or the path of a device.
+    /// Reads what users type: `emulator`, `tcp:HOST`, `tcp:HOST:PORT`, or the path of a device.
     pub fn parse(text: &str) -> Address {
+        if text == "emulator" {
+            return Address::Emulator;
+        }
         let Some(host) = text.strip_prefix("tcp:") else { return Address::Device(text.into()) };
         let host = host.trim_start_matches('/');
         match host.rsplit_once(':').map(|(host, port)| (host, port.parse())) {
@@ -84,6 +90,7 @@ impl Address {
                 let opened = serialport::new(path.to_string_lossy(), baud).timeout(READ_WAIT).open();
                 Ok(Box::new(Serial(opened.map_err(|e| fail(device_reason(&e)))?)))
             }
+            Address::Emulator => Ok(Box::new(Emulated::new(READ_WAIT))),
             Address::Network(host, port) => {
                 let found = (host.as_str(), *port).to_socket_addrs().map_err(|e| fail(e.to_string()))?;
                 let mut reason = "no such host".to_owned();
@@ -103,6 +110,7 @@ impl fmt::Display for Address {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Address::Device(path) => write!(f, "{}", path.display()),
+            Address::Emulator => write!(f, "the emulator"),
             Address::Network(host, port) => write!(f, "tcp:{host}:{port}"),
         }
     }
