@@ -32,15 +32,17 @@ pub fn trace(program: &Program) -> Result<Vec<Move>, TraceError> {
 /// Bytes of a line as a sender sends it: without blanks and comments, with its line feed; 0 for a line that is not sent.
 pub(super) fn sent_bytes(text: &str) -> usize {
     let mut hidden = false;
-    let code = text.bytes().take_while(|b| *b != b';').filter(|b| {
-        let comment = hidden || *b == b'(';
-        hidden = comment && *b != b')';
-        !comment && !b.is_ascii_whitespace()
-    });
-    match code.count() {
-        0 => 0,
-        bytes => bytes + 1,
+    let mut sent = 0;
+    for b in text.bytes() {
+        // Within parentheses a semicolon begins nothing.
+        if b == b';' && !hidden {
+            break;
+        }
+        let comment = hidden || b == b'(';
+        hidden = comment && b != b')';
+        sent += usize::from(!comment && !b.is_ascii_whitespace());
     }
+    if sent == 0 { 0 } else { sent + 1 }
 }
 
 /// The state of the machine between lines.
@@ -198,7 +200,8 @@ impl Tracer {
             if on && (z.is_none() || said.first_of(b"XY").is_some()) {
                 return Err(Refusal { problem: TraceProblem::ToolLengthAxis, word: said.motion_word() });
             }
-            let length_mm = z.map_or(0.0, |z| z * unit_mm);
+            // G49 clears the length; a Z beside it says nothing.
+            let length_mm = z.filter(|_| on).map_or(0.0, |z| z * unit_mm);
             if std::mem::replace(&mut self.tool_length_mm, length_mm) != length_mm {
                 self.stand(Action::Stop, moves);
             }

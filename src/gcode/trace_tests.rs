@@ -160,6 +160,7 @@ fn zero_can_be_moved_and_positions_stay_those_of_the_start() {
     assert_eq!(last("G10L2P2X5\nG55\nG0X1"), P3::new(6.0, 0.0, 0.0));
     assert_eq!(last("G10L2P2X5\nG55\nG53G0X1"), P3::new(1.0, 0.0, 0.0), "machine coordinates");
     assert_eq!(last("G43.1Z2\nG0Z1\nG49\nG0Z1"), P3::new(0.0, 0.0, 1.0));
+    assert_eq!(last("G43.1Z2\nG49Z7\nG0Z1"), P3::new(0.0, 0.0, 1.0), "G49 takes no length");
     let home = moves("G0X10Y5\nG91G28X1");
     assert_eq!([home[1].to, home[2].to], [P3::new(11.0, 5.0, 0.0), P3::new(0.0, 5.0, 0.0)]);
 }
@@ -182,5 +183,6 @@ fn a_constant_beam_is_switched_at_rest_when_the_motion_mode_changes_without_a_mo
 #[test]
 fn a_line_is_sent_without_blanks_and_comments() {
     assert_eq!(["G1 X1 (a b) F2 ; c", "(x)", "; x", "", "G1X1"].map(sent_bytes), [7, 0, 0, 0, 5]);
+    assert_eq!(["(a;b) G1X1", "G1 (;) X1;(", "(;"].map(sent_bytes), [5, 5, 0]);
     assert!(moves("G0X10 (there)").iter().all(|m| m.bytes == 6));
 }
