@@ -101,6 +101,11 @@ fn power_and_feed_over_their_limits_are_told_once_while_they_last() {
     let power = errors("M4S0\nG1X10S1200F100\nX20\nX30S900\nX40S1200");
     assert_eq!(power, [("power-above-max".into(), 2), ("power-above-max".into(), 5)]);
     assert_eq!(errors("G1X10F6500\nX20\nY10\nX100Y11F5000"), one("feed-above-limit", 1));
+    assert_eq!(
+        errors("G1X10F6500\nX20F900\nX30F6500"),
+        [("feed-above-limit".into(), 1), ("feed-above-limit".into(), 3)]
+    );
+    assert_eq!(errors("G1Y10F5000\nX10\nY20"), one("feed-above-limit", 1), "F5000 is still what was told");
     assert_eq!(errors("G1Y10F5000"), one("feed-above-limit", 1));
     assert_eq!(errors("G3Y10J5F5000"), one("feed-above-limit", 1));
 }

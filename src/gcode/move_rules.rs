@@ -40,9 +40,15 @@ impl MoveRules {
                 format!("S{} is above the machine's full power S{max_s} ($30); set the program that wrote the file to S{max_s}", m.power_s)
             });
         }
-        if let Some((axis, limit)) = too_fast(m, &settings.limits.max_rate_mm_per_min)
-            && self.feed_told.replace(m.feed_mm_per_min) != Some(m.feed_mm_per_min)
-        {
+        let feed = Some(m.feed_mm_per_min);
+        let Some((axis, limit)) = too_fast(m, &settings.limits.max_rate_mm_per_min) else {
+            // The same feed along a faster axis is still the feed that was told.
+            if m.feeds() && self.feed_told != feed {
+                self.feed_told = None;
+            }
+            return;
+        };
+        if std::mem::replace(&mut self.feed_told, feed) != feed {
             notes.errors.add(line, 1, "feed-above-limit", || {
                 format!("F{} asks more of axis {axis} than its {limit} mm/min; the machine would run slower than the job means", m.feed_mm_per_min)
             });
