@@ -4,12 +4,13 @@
 //! GRBL does: a refused line changes nothing.
 
 use std::collections::VecDeque;
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 
 use super::burn::Burn;
 use super::finding::{Finding, Findings};
 use super::held_feed::HeldFeed;
 use super::line_rules::LineRules;
+use super::lines::{read_line, real_time};
 use super::move_rules::MoveRules;
 use super::parse::{column_of_word, parse_line};
 use super::timing::LitTime;
@@ -18,7 +19,7 @@ use super::{Limits, Move, Planner, Program, Stretch};
 use crate::geom::Rect;
 
 /// Longest line that is held, in bytes; what is longer is no G-code.
-const MAX_LINE_BYTES: u64 = 65_536;
+const MAX_LINE_BYTES: usize = 65_536;
 
 /// How many lines go by between two steps.
 const LINES_PER_STEP: usize = 4096;
@@ -151,42 +152,44 @@ impl<'a> Checker<'a> {
         let mut bytes = Vec::new();
         let mut done = 0;
         for count in 1_usize.. {
-            bytes.clear();
-            let mut taken = (&mut input).take(MAX_LINE_BYTES).read_until(b'\n', &mut bytes)?;
+            let taken = read_line(&mut input, &mut bytes, MAX_LINE_BYTES)?;
             if taken == 0 {
                 break;
             }
-            // What no controller takes need not be held.
-            while taken as u64 == MAX_LINE_BYTES && bytes.last() != Some(&b'\n') {
-                let kept = bytes.len();
-                taken = (&mut input).take(MAX_LINE_BYTES).read_until(b'\n', &mut bytes)?;
-                done += taken as u64;
-                if bytes.last() == Some(&b'\n') {
-                    taken = 0;
-                }
-                bytes.truncate(kept);
-            }
-            done += bytes.len() as u64;
+            done += taken;
             if count % LINES_PER_STEP == 0 {
                 step(done);
             }
-            let line = bytes.strip_suffix(b"\n").unwrap_or(&bytes);
-            let line = line.strip_suffix(b"\r").unwrap_or(line);
-            self.line(&String::from_utf8_lossy(line));
+            self.raw_line(&bytes);
         }
         Ok(())
     }
 
     /// Takes the next line, without its line feed.
     pub fn line(&mut self, text: &str) {
+        self.raw_line(text.as_bytes());
+    }
+
+    fn raw_line(&mut self, raw: &[u8]) {
         self.lines += 1;
         let number = self.lines;
-        let bytes = sent_bytes(text);
         let Checker { settings, notes, .. } = self;
-        if !self.line_rules.text(number, text, bytes, notes) {
+        // The start of a line that is not known whole may mean something else than the line.
+        if raw.len() > MAX_LINE_BYTES {
+            notes.errors.add(number, 1, "line-too-long", || {
+                "line longer than 65,536 bytes was not read; split it, or have the file written with line ends".into()
+            });
             return;
         }
-        let line = match parse_line(text, number) {
+        if !real_time(number, raw, notes) {
+            return;
+        }
+        let text = String::from_utf8_lossy(raw);
+        let bytes = sent_bytes(&text);
+        if !self.line_rules.text(number, &text, bytes, notes) {
+            return;
+        }
+        let line = match parse_line(&text, number) {
             Ok(line) => line,
             Err(error) => {
                 let code = format!("error:{}", error.grbl_error);
@@ -196,17 +199,17 @@ impl<'a> Checker<'a> {
                 return;
             }
         };
-        if line.words.is_empty() {
+        if line.words.is_empty() || !LineRules::takes(number, &text, &line, settings, notes) {
             return;
         }
         self.moves.clear();
         if let Err(refusal) = self.tracer.line(&line, number, bytes, &mut self.moves) {
             let code = format!("error:{}", refusal.problem.grbl_error());
-            let column = column_of_word(text, refusal.word);
+            let column = column_of_word(&text, refusal.word);
             notes.errors.add(number, column, &code, || refusal.problem.to_string());
             return;
         }
-        self.line_rules.words(number, text, &line, &self.moves, settings, notes);
+        self.line_rules.words(number, &text, &line, &self.moves, settings, notes);
         for m in &self.moves {
             self.move_rules.judge(m, settings, notes);
             self.sums.measure(m, settings);

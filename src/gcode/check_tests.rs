@@ -137,8 +137,15 @@ fn settings_are_not_for_jobs() {
 fn what_is_only_assumed_is_told() {
     let report = read("G0X1\nG21G90\nG0X2", &diode());
     assert_eq!(told(&report.warnings), [("no-units", 1), ("no-distance-mode", 1)]);
+}
+
+#[test]
+fn a_line_with_mist_the_machine_lacks_does_nothing() {
     let stock = CheckSettings { mist: false, ..diode() };
-    assert_eq!(warnings("M7", &stock), one("needs-mist", 2));
+    let report = read("G21G90\nM3S500\nG1X10F600\nM5M7", &stock);
+    assert_eq!(told(&report.errors), [("laser-left-on", 4), ("error:20", 4)]);
+    assert_eq!(report.errors[0].column.max(report.errors[1].column), 3);
+    assert_eq!(told(&read("G21G90\nM3S500\nG1X10F600\nM5M7", &diode()).errors), []);
 }
 
 #[test]
@@ -178,11 +185,46 @@ fn too_much_energy_for_the_material_scorches() {
 }
 
 #[test]
-fn a_file_without_line_feeds_is_one_line_however_long() {
-    let report = read(&format!("G21G90 ({})\nG0X1", "x".repeat(300_000)), &diode());
-    assert_eq!((report.lines, report.errors.len(), report.travel_mm), (2, 0, 1.0));
-    let report = read(&format!("G21G90\n{}\nG0X1", "X1".repeat(300_000)), &diode());
-    assert_eq!((report.lines, told(&report.errors), report.travel_mm), (3, vec![("error:11", 2)], 1.0));
+fn a_line_too_long_to_hold_is_an_error_and_not_read() {
+    let long = |line: String| {
+        let report = read(&format!("G21G90\n{line}\nG0X1"), &diode());
+        (
+            report.lines,
+            told(&report.errors).iter().map(|(code, line)| format!("{code} {line}")).collect(),
+            report.travel_mm,
+        )
+    };
+    let too_long = (3, vec!["line-too-long 2".to_owned()], 1.0);
+    assert_eq!(long(format!("({}) G0X500", "x".repeat(300_000))), too_long);
+    assert_eq!(long(format!("G0X5 ({})", "x".repeat(65_530))), too_long);
+    assert_eq!(long("X1".repeat(300_000)), too_long);
+    assert_eq!(long(format!("G0X1 ({})", "x".repeat(65_529))), (3, Vec::new(), 1.0));
+}
+
+#[test]
+fn a_carriage_return_ends_a_line() {
+    let report = read("; title\rG21G90\rM3S1000\rG0X500\r\nG0X0\rM5", &diode());
+    assert_eq!(report.lines, 6);
+    assert_eq!(
+        told(&report.errors),
+        [("outside-work-area", 4), ("laser-on-travel", 4), ("outside-work-area", 5), ("laser-on-travel", 5)]
+    );
+    assert_eq!(parse("; title\rG21G90\r\nM5").unwrap().lines.len(), 3);
+}
+
+#[test]
+fn bytes_grbl_acts_on_at_once_are_told() {
+    assert_eq!(errors("G0X1 ; a\u{18}b\nG0\u{18}X2"), [("soft-reset".into(), 1), ("soft-reset".into(), 2)]);
+    assert!(parse("G0\u{18}X2").is_err());
+    assert_eq!(warnings("G0X1 (why?)\nX2;go!\nX3 (~)\nX4", &diode()).len(), 3);
+    assert_eq!(warnings("G0X1 (a) ; (Gr\u{f6}\u{df}e)", &diode()), one("real-time-byte", 2));
+    assert_eq!(errors("G0X1!"), one("error:1", 1));
+    let settings = diode();
+    let mut checker = Checker::new(&settings);
+    checker.read(&b"G21G90\nG0X1 (20 \xB0C)\nM5"[..], |_| ()).unwrap();
+    let warnings = checker.finish().warnings;
+    assert_eq!((told(&warnings), warnings[0].column), (vec![("real-time-byte", 2)], 10));
+    assert!(warnings[0].message.contains("0xB0"));
 }
 
 #[test]

@@ -44,6 +44,17 @@ impl LineRules {
         false
     }
 
+    /// True when the machine takes a line's words; M7 is in GRBL only when built with it, and without it the whole line does nothing.
+    pub(super) fn takes(line: usize, text: &str, words: &Line, settings: &CheckSettings, notes: &mut Notes) -> bool {
+        let mist = words.words.iter().position(|word| word.letter == 'M' && word.value == 7.0);
+        let Some(index) = mist.filter(|_| !settings.mist) else { return true };
+        notes.errors.add(line, column_of_word(text, index), "error:20", || {
+            "M7 is refused by GRBL unless it was built with it (GRBL error:20), and its line does nothing; use M8"
+                .into()
+        });
+        false
+    }
+
     /// Looks at the words of a line that is carried out, and at what they make the machine do.
     pub(super) fn words(
         &mut self,
@@ -68,9 +79,6 @@ impl LineRules {
                         format!("{word} goes by places stored in the machine, which are not known here: what follows is checked as if they lay at X0 Y0")
                     });
                 }
-                ('M', 7.0) if !settings.mist => notes.warnings.add(line, column(), "needs-mist", || {
-                    "M7 is refused by GRBL unless it was built with it (GRBL error:20); use M8".into()
-                }),
                 _ => {}
             }
         }

@@ -20,6 +20,7 @@ mod held_feed;
 mod interpreter;
 mod kinematics;
 mod line_rules;
+mod lines;
 mod move_rules;
 mod moves;
 mod parse;

@@ -1,5 +1,6 @@
 //! Text to [`Program`], as GRBL 1.1 reads it.
 
+use super::lines::lines;
 use super::{Line, Program, Word};
 
 /// A place in a text that is not G-code.
@@ -25,12 +26,12 @@ const NO_LETTER: &str = "a word must begin with a letter";
 const NO_NUMBER: &str = "a letter must be followed by a number such as 10, -2.5 or .75";
 
 /// Reads G-code. Like GRBL: spaces count nowhere, small letters are capitals, `/` is passed over, comments stand in parentheses or after a
-/// semicolon. Every line of the text becomes a line of the program. Which words exist is [`super::trace`]'s business.
+/// semicolon. Lines end at a line feed, a carriage return or both. Every line of the text becomes a line of the program. Which words exist is [`super::trace`]'s business.
 ///
 /// # Errors
 /// Anything that is not letter, number, letter, number: `$` commands and `%` too, which are no G-code.
 pub fn parse(text: &str) -> Result<Program, ParseError> {
-    let lines = text.lines().enumerate().map(|(i, line)| parse_line(line, i + 1));
+    let lines = lines(text).enumerate().map(|(i, line)| parse_line(line, i + 1));
     Ok(Program { lines: lines.collect::<Result<_, _>>()? })
 }
 
@@ -153,9 +154,10 @@ impl<'a> Tokens<'a> {
     }
 }
 
-/// What GRBL drops from a line before it reads it: blanks, control characters and the block delete sign.
+/// What GRBL drops from a line before it reads it: blanks, control characters and the block delete sign. Not the soft reset, 0x18: GRBL never
+/// reads it as part of a line but resets at once. `!`, `~`, `?` and what is beyond ASCII it takes out too and acts on: here they are no word.
 fn is_blank(c: char) -> bool {
-    c == '/' || c.is_ascii_whitespace() || c.is_ascii_control()
+    c == '/' || c.is_ascii_whitespace() || c.is_ascii_control() && c != '\x18'
 }
 
 fn add_comment(line: &mut Line, text: &str) {
