@@ -209,7 +209,7 @@ impl<'a> Checker<'a> {
             notes.errors.add(number, column, &code, || refusal.problem.to_string());
             return;
         }
-        self.line_rules.words(number, &text, &line, &self.moves, settings, notes);
+        self.line_rules.words(number, &text, &line, &self.moves, notes);
         for m in &self.moves {
             self.move_rules.judge(m, settings, notes);
             self.sums.measure(m, settings);
@@ -226,7 +226,7 @@ impl<'a> Checker<'a> {
     pub fn finish(mut self) -> Report {
         let Checker { settings, mut notes, mut sums, .. } = self;
         self.planner.finish(&mut |stretch| sums.take(&stretch, settings));
-        sums.burn.end_move(settings);
+        sums.burn.end(settings);
         sums.burn.tell(settings, &mut notes);
         sums.held.tell(&mut notes);
         self.move_rules.end(self.lines, self.tracer.beam_left(), settings, &mut notes);

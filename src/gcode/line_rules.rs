@@ -56,15 +56,7 @@ impl LineRules {
     }
 
     /// Looks at the words of a line that is carried out, and at what they make the machine do.
-    pub(super) fn words(
-        &mut self,
-        line: usize,
-        text: &str,
-        words: &Line,
-        moves: &[Move],
-        settings: &CheckSettings,
-        notes: &mut Notes,
-    ) {
+    pub(super) fn words(&mut self, line: usize, text: &str, words: &Line, moves: &[Move], notes: &mut Notes) {
         for (index, word) in words.words.iter().enumerate() {
             let column = || column_of_word(text, index);
             match (word.letter, word.value) {
