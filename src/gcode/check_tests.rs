@@ -185,6 +185,26 @@ fn too_much_energy_for_the_material_scorches() {
 }
 
 #[test]
+fn a_contour_in_short_chords_counts_as_one_way() {
+    let chords: String = (1..=1000).map(|k| format!("X{:.1}\n", 0.1 * f64::from(k))).collect();
+    let paper = CheckSettings { energy: Some(Energy { full_power_w: 10.0, cut_j_per_mm: 0.25 }), ..diode() };
+    assert_eq!(warnings(&format!("M4S0\nG1S1000F1000\n{chords}"), &paper), one("scorch", 4));
+    let co2 = CheckSettings { strike_floor: 0.10, ..diode() };
+    assert_eq!(warnings(&format!("M3S0\nG1S80F600\n{chords}S0"), &co2), one("below-strike", 4));
+    assert_eq!(warnings("M3S0\nG1X0.1S80F600\nG0X5S0\nG1X5.1S80", &co2), [], "the spot bridges each");
+}
+
+#[test]
+fn a_constant_beam_is_lit_at_rest_in_a_feed_mode() {
+    let rest = |text: &str| warnings(text, &diode()).into_iter().filter(|w| w.0 == "burns-at-rest").collect::<Vec<_>>();
+    assert_eq!(rest("G0X10S0\nG1F600\nM3S1000\nG4P10"), one("burns-at-rest", 5));
+    assert_eq!(rest("M3\nG1X10S0F600\nS1000\nG4P10"), one("burns-at-rest", 5));
+    assert_eq!(rest("M3S1000\nG4P10\nG1X10F600S0"), [], "G0 keeps it off");
+    assert_eq!(rest("M4S1000\nG1X10F600\nG4P10"), [], "no power at rest");
+    assert_eq!(rest("M3S0\nG1X10F600S500\nZ-1\nS0"), one("burns-at-rest", 4));
+}
+
+#[test]
 fn a_line_too_long_to_hold_is_an_error_and_not_read() {
     let long = |line: String| {
         let report = read(&format!("G21G90\n{line}\nG0X1"), &diode());

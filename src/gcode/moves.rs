@@ -55,6 +55,8 @@ pub struct Move {
     pub power_s: f64,
     /// Laser mode in effect.
     pub beam: Beam,
+    /// The motion mode in effect is G1, G2 or G3, in which a constant beam is lit at rest too.
+    pub feeding: bool,
     /// Bytes of its line as a sender sends it: without blanks and comments, with its line feed.
     pub bytes: usize,
 }
@@ -122,7 +124,7 @@ mod tests {
         let action = Action::Arc { center: P2::origin(), radius_mm: 2.0, sweep_rad };
         let (from, beam) = (P3::new(2.0, 0.0, 0.0), Beam::Dynamic);
         let to = P3::new(2.0 * sweep_rad.cos(), 2.0 * sweep_rad.sin(), 0.0);
-        Move { line: 1, action, from, to, feed_mm_per_min: 600.0, power_s: 100.0, beam, bytes: 20 }
+        Move { line: 1, action, from, to, feed_mm_per_min: 600.0, power_s: 100.0, beam, feeding: true, bytes: 20 }
     }
 
     #[test]

@@ -65,14 +65,15 @@ pub struct Stretch {
 }
 
 impl Stretch {
-    /// How much of its length is run slower than a speed, mm.
-    pub fn slower_than_mm(&self, speed_mm_per_s: f64) -> f64 {
+    /// How much of its length is run slower than a speed, mm: from its start, and up to its end. All of it counts from the start.
+    pub fn slow_ends_mm(&self, speed_mm_per_s: f64) -> (f64, f64) {
         if self.cruise_mm_per_s < speed_mm_per_s {
-            return self.length_mm;
+            return (self.length_mm, 0.0);
         }
         let ramp =
             |end: f64| (speed_mm_per_s * speed_mm_per_s - end * end).max(0.0) / (2.0 * self.acceleration_mm_per_s2);
-        (ramp(self.entry_mm_per_s) + ramp(self.exit_mm_per_s)).min(self.length_mm)
+        let before_mm = ramp(self.entry_mm_per_s).min(self.length_mm);
+        (before_mm, ramp(self.exit_mm_per_s).min(self.length_mm - before_mm))
     }
 }
 

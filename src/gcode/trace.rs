@@ -158,13 +158,12 @@ impl Tracer {
 
     /// S, M3, M4 and M5 (gcode.c, GC_PARSER_LASER_ISMOTION and GC_PARSER_LASER_FORCE_SYNC).
     fn light(&mut self, said: &Said, motion: Motion, moves: &mut Vec<Move>) {
-        let feeds = |m: Motion| matches!(m, Motion::Line | Motion::ArcClockwise | Motion::ArcCounterClockwise);
         // A new power in a motion changes on the fly; without motion the machine stops for it. A constant beam is also switched at rest when
         // the motion mode goes from travel to feed or back without a motion.
         let in_motion = said.moves();
         let power_s = said.value(b'S').unwrap_or(self.power_s);
         let changed = std::mem::replace(&mut self.power_s, power_s) != power_s;
-        let mode_changed = self.beam == Beam::Constant && feeds(motion) != feeds(self.motion);
+        let mode_changed = self.beam == Beam::Constant && motion.feeds() != self.motion.feeds();
         if !in_motion && self.beam != Beam::Off && (changed || mode_changed) {
             self.stand(Action::Stop, moves);
         }
@@ -365,7 +364,8 @@ impl Tracer {
 
     fn push(&mut self, action: Action, from: P3, to: P3, moves: &mut Vec<Move>) {
         let Tracer { line, bytes, feed_mm_per_min, power_s, beam, .. } = *self;
-        let mut made = Move { line, action, from, to, feed_mm_per_min, power_s, beam, bytes };
+        let feeding = self.motion.feeds();
+        let mut made = Move { line, action, from, to, feed_mm_per_min, power_s, beam, feeding, bytes };
         if self.inverse_time && matches!(action, Action::Line | Action::Arc { .. }) {
             // G93: F is one over the minutes the move takes.
             made.feed_mm_per_min *= made.length_mm();

@@ -16,6 +16,13 @@ pub(super) enum Motion {
     Cancelled,
 }
 
+impl Motion {
+    /// True for G1, G2 and G3.
+    pub(super) fn feeds(self) -> bool {
+        matches!(self, Motion::Line | Motion::ArcClockwise | Motion::ArcCounterClockwise)
+    }
+}
+
 /// A command that acts once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Once {
