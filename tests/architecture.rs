@@ -28,7 +28,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         "job",
         &[
             "drawing", "mesh", "config", "cut", "ruffle", "extrude", "sim", "fit", "design", "strip", "nest",
-            "toolpath", "gcode", "preview",
+            "toolpath", "gcode", "preview", "stream",
         ],
     ),
     ("cli", &["job", "design", "preview", "gcode", "nest", "config", "stream"]),

@@ -12,7 +12,7 @@ use serde_json::json;
 use super::{Exit, Failure, output};
 use crate::config::{Library, Machine};
 use crate::stream::{
-    self, Address, Board, Command, Demand, Ending, Event, Expected, Link, Outcome, Progress, State, Status, Weight,
+    self, Address, Board, Command, Demand, Ending, Event, Link, Outcome, Progress, State, Status, Weight,
 };
 use crate::{gcode, job};
 
@@ -75,7 +75,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 
     let board = wait_until_ready(&link)?;
     let mut refusals = Vec::new();
-    for finding in stream::preflight(&demand, made_for, &board, &expected(&machine)) {
+    for finding in stream::preflight(&demand, made_for, &board, &job::expected(&machine)) {
         let fix = finding.fix.map(|fix| format!(" [{fix}]")).unwrap_or_default();
         if finding.weight == Weight::Refusal && !(args.anyway && finding.code == "other-machine") {
             refusals.push(format!("{}{fix}", finding.message));
@@ -104,25 +104,6 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 
 fn machine_failure(source: impl std::error::Error + Send + Sync + 'static) -> Failure {
     Failure { exit: Exit::Machine, source: source.into() }
-}
-
-/// What the machine file says of the board.
-fn expected(machine: &Machine) -> Expected {
-    let c = &machine.controller;
-    let mut settings = vec![
-        (11, c.junction_deviation_mm),
-        (12, c.arc_tolerance_mm),
-        (30, c.max_s),
-        (31, c.min_s),
-        (32, f64::from(u8::from(c.laser_mode))),
-    ];
-    for axis in 0..3 {
-        let number = axis as u16;
-        settings.push((110 + number, c.max_rate_mm_per_min[axis]));
-        settings.push((120 + number, c.acceleration_mm_per_s2[axis]));
-        settings.push((130 + number, c.max_travel_mm[axis]));
-    }
-    Expected { machine: machine.name.clone(), laser: machine.tool.class.is_laser(), settings }
 }
 
 fn wait_until_ready(link: &Link) -> Result<Board, Failure> {

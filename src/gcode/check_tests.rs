@@ -6,16 +6,7 @@ use crate::geom::P2;
 
 /// A 400 x 300 mm diode laser whose y axis is slower than its x axis.
 pub(in super::super) fn diode() -> CheckSettings {
-    let limits = Limits {
-        max_rate_mm_per_min: [6000.0, 3000.0, 600.0],
-        acceleration_mm_per_s2: [500.0, 500.0, 100.0],
-        junction_deviation_mm: 0.01,
-        arc_tolerance_mm: 0.002,
-        planner_blocks: 15,
-        bytes_per_s: 11_520.0,
-        rx_bytes: 128,
-        line_s: 0.0037,
-    };
+    let limits = Limits { max_rate_mm_per_min: [6000.0, 3000.0, 600.0], ..Limits::USUAL };
     CheckSettings {
         work_area: Rect::from_size(400.0, 300.0),
         travel_z_mm: 50.0,

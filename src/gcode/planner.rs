@@ -313,11 +313,9 @@ impl Block {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::{estimate, parse, trace};
-    use super::*;
-
-    const LIMITS: Limits = Limits {
+impl Limits {
+    /// A common desktop machine on a board as it is sold, for tests.
+    pub(crate) const USUAL: Limits = Limits {
         max_rate_mm_per_min: [6000.0, 6000.0, 600.0],
         acceleration_mm_per_s2: [500.0, 500.0, 100.0],
         junction_deviation_mm: 0.01,
@@ -327,9 +325,15 @@ mod tests {
         rx_bytes: 128,
         line_s: 0.0037,
     };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{estimate, parse, trace};
+    use super::*;
 
     fn seconds(text: &str) -> f64 {
-        estimate(&trace(&parse(text).unwrap()).unwrap(), &LIMITS).total_s
+        estimate(&trace(&parse(text).unwrap()).unwrap(), &Limits::USUAL).total_s
     }
 
     #[test]
@@ -378,7 +382,7 @@ mod tests {
         assert!((circle / expected - 1.0).abs() < 0.02, "{circle} {expected}");
         let halves = "M4S0\nG1X50F1200S10\nM5\nM4\nG1X100";
         // Before M5: one stop. After it M4 stops again at once, and 1.5 line times go by until G1 runs; the rest before the first motion is no part of it.
-        let read_s = (0.5 + 1.0) * LIMITS.line_s;
+        let read_s = (0.5 + 1.0) * Limits::USUAL.line_s;
         assert!((seconds(halves) - (5.08 + read_s)).abs() < 2e-4, "{}", seconds(halves) - 5.08);
         assert!((seconds("G1X100F1200\nG4P0.5") - 5.54).abs() < 1e-9);
     }
@@ -386,10 +390,10 @@ mod tests {
     #[test]
     fn times_belong_to_the_moves_that_take_them() {
         let moves = trace(&parse("G0X10\nG1X30F600\nG4P1").unwrap()).unwrap();
-        let timing = estimate(&moves, &LIMITS);
+        let timing = estimate(&moves, &Limits::USUAL);
         assert_eq!(timing.move_s.len(), 3);
         assert!(timing.move_s[1] > 2.0 && timing.move_s[1] < 2.1);
         assert_eq!(timing.move_s[2], 1.0);
-        assert_eq!(estimate(&[], &LIMITS).total_s, 0.0);
+        assert_eq!(estimate(&[], &Limits::USUAL).total_s, 0.0);
     }
 }

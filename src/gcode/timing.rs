@@ -11,7 +11,7 @@ pub struct Timing {
     pub total_s: f64,
     /// True speeds of each move, by index.
     pub speeds: Vec<Speeds>,
-    /// How long the laser's output is above zero, s ([`LitTime`]).
+    /// How long the laser's output is above zero, s.
     pub laser_on_s: f64,
 }
 

@@ -26,7 +26,7 @@ pub use error::Error;
 pub use order::{Order, Overrides};
 pub use realise::{Realised, realise};
 pub use report::Report;
-pub use settings::{check_settings, limits};
+pub use settings::{check_settings, expected, limits};
 pub use sheets::minutes;
 
 use crate::config::Library;

@@ -5,7 +5,7 @@ use crate::config::{self, Air, AirCode, Corner, Grain, Library, Machine, Pairing
 use crate::design::{Design, Foot, Up};
 use crate::geom::{P2, Rect};
 use crate::progress::Warning;
-use crate::{cut, fit, gcode, mesh, nest, sim, strip, toolpath};
+use crate::{cut, fit, gcode, mesh, nest, sim, stream, strip, toolpath};
 
 /// Sheets thinner than this, mm, lift and blow away when nothing holds them.
 const THIN_MM: f64 = 0.5;
@@ -258,6 +258,25 @@ pub fn check_settings(machine: &Machine, pairing: Option<&Pairing>) -> gcode::Ch
         strike_floor: if machine.tool.class == ToolClass::Co2 { machine.tool.power_floor } else { 0.0 },
         energy: pairing.filter(|_| machine.tool.class.is_laser()).and_then(energy),
     }
+}
+
+/// What a machine file says of the board: GRBL's settings by number, in its units.
+pub fn expected(machine: &Machine) -> stream::Expected {
+    let c = &machine.controller;
+    let mut settings = vec![
+        (11, c.junction_deviation_mm),
+        (12, c.arc_tolerance_mm),
+        (30, c.max_s),
+        (31, c.min_s),
+        (32, f64::from(u8::from(c.laser_mode))),
+    ];
+    for axis in 0..3 {
+        let number = axis as u16;
+        settings.push((110 + number, c.max_rate_mm_per_min[axis]));
+        settings.push((120 + number, c.acceleration_mm_per_s2[axis]));
+        settings.push((130 + number, c.max_travel_mm[axis]));
+    }
+    stream::Expected { machine: machine.name.clone(), laser: machine.tool.class.is_laser(), settings }
 }
 
 /// How fast a machine moves and is fed.

@@ -106,19 +106,6 @@ pub(super) mod tests {
     use super::*;
     use crate::gcode::{Limits, estimate, parse, trace};
 
-    fn limits() -> Limits {
-        Limits {
-            max_rate_mm_per_min: [6000.0, 6000.0, 600.0],
-            acceleration_mm_per_s2: [500.0, 500.0, 100.0],
-            junction_deviation_mm: 0.01,
-            arc_tolerance_mm: 0.002,
-            planner_blocks: 15,
-            bytes_per_s: 11_520.0,
-            rx_bytes: 128,
-            line_s: 0.0037,
-        }
-    }
-
     pub(crate) fn bed() -> Bed {
         Bed {
             machine: "test-bed".into(),
@@ -138,7 +125,7 @@ pub(super) mod tests {
             name: "sheet-01".into(),
             text: text.into(),
             moves,
-            timing: estimate(moves, &limits()),
+            timing: estimate(moves, &Limits::USUAL),
             stock: Some(Stock {
                 name: "A4".into(),
                 width_mm: 297.0,
@@ -154,7 +141,7 @@ pub(super) mod tests {
     fn constant_power_leaves_more_where_the_machine_is_slow_and_dynamic_power_does_not() {
         let short = |mode: &str| {
             let moves = moves(&format!("{mode}S500\nG1X0.2F6000"));
-            let time_s = estimate(&moves, &limits()).move_s[1];
+            let time_s = estimate(&moves, &Limits::USUAL).move_s[1];
             bed().energy_j_per_mm(&moves[1], time_s)
         };
         // 2.5 W at 100 mm/s.

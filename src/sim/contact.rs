@@ -14,8 +14,8 @@ pub(super) const REACH_MM: f64 = 0.3;
 /// Sheets part from a connection at least as fast as two circles of this radius, mm: flatter than any loop that gets folded.
 const FLATTEST_MM: f64 = 100.0;
 /// Stiffness of the barrier against that of the sheet: kappa = D w / R² times this, with the radius of a typical loop. A force of 12 kappa leaves a tenth of the
-/// reach. Sheets pressed with tens of newtons keep a good part of it: with a thirtieth of this they come so close that the least turn of one lets it touch, and one
-/// press in ten jams there.
+/// reach. Sheets pressed with tens of newtons keep a good part of it: with a thirtieth of this they come so close that the least turn of one lets it touch, and
+/// they jam there (`cargo bench --bench press`).
 const BENDING_SHARE: f64 = 3.0;
 const TYPICAL_RADIUS_MM: f64 = 15.0;
 /// And against the strip's weight: a sheet too soft to stand lies down, and then a few nodes carry all of it.
