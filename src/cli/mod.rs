@@ -5,6 +5,7 @@
 
 mod check;
 mod completions;
+mod connection;
 mod files;
 mod machine;
 mod make;

@@ -5,22 +5,14 @@ use std::io::{BufRead, BufReader, IsTerminal};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 use serde_json::json;
 
+use super::connection::{self, EVENT_WAIT};
 use super::{Exit, Failure, output};
 use crate::config::{Library, Machine};
-use crate::stream::{
-    self, Address, Board, Command, Demand, Ending, Event, Link, Outcome, Progress, State, Status, Weight,
-};
+use crate::stream::{self, Command, Demand, Ending, Event, Link, Outcome, Progress, Status, Weight};
 use crate::{gcode, job};
-
-/// How long to wait for one event before looking again.
-const EVENT_WAIT: Duration = Duration::from_millis(200);
-
-/// How long a board may take to be asked everything: 3 s for a banner, 2 s for a probe, the answers.
-const READY_WAIT_S: f64 = 15.0;
 
 /// Arguments of `send`.
 #[derive(Debug, clap::Args)]
@@ -60,8 +52,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let demand = Demand::of(&moves);
     let made_for = text.lines().find_map(|line| stream::header_value(line, "machine"));
 
-    let port = Address::parse(&args.port).open(machine.controller.baud).map_err(machine_failure)?;
-    let link = Link::start(port, stream::Settings::default());
+    let link = connection::open(&args.port, &machine)?;
     let commands = link.commands();
     let started = Arc::new(AtomicBool::new(false));
     let runs = Arc::clone(&started);
@@ -73,7 +64,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     ctrlc::set_handler(stop).map_err(Failure::config)?;
 
-    let board = wait_until_ready(&link)?;
+    let (board, status) = connection::wait_until_ready(&link)?;
+    connection::require_idle(&status)?;
     let mut refusals = Vec::new();
     for finding in stream::preflight(&demand, made_for, &board, &job::expected(&machine)) {
         let fix = finding.fix.map(|fix| format!(" [{fix}]")).unwrap_or_default();
@@ -98,42 +90,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     match ending.outcome {
         Outcome::Done => Ok(()),
         Outcome::Stopped => std::process::exit(Exit::STOPPED),
-        Outcome::Failed(trouble) => Err(machine_failure(trouble)),
+        Outcome::Failed(trouble) => Err(connection::machine_failure(trouble)),
     }
-}
-
-fn machine_failure(source: impl std::error::Error + Send + Sync + 'static) -> Failure {
-    Failure { exit: Exit::Machine, source: source.into() }
-}
-
-fn wait_until_ready(link: &Link) -> Result<Board, Failure> {
-    let fail = |why: String| Failure { exit: Exit::Machine, source: why.into() };
-    let mut ready = None;
-    let mut waited_s = 0.0;
-    while waited_s < READY_WAIT_S {
-        match link.next(EVENT_WAIT) {
-            None => waited_s += EVENT_WAIT.as_secs_f64(),
-            Some((_, Event::Ready(board))) => ready = Some(board),
-            Some((_, Event::Trouble(trouble))) => return Err(machine_failure(trouble)),
-            Some((_, Event::Status(status, _))) => {
-                let Some(mut board) = ready.take() else { continue };
-                if status.state != State::Idle {
-                    let state = status.state.word();
-                    return Err(fail(format!(
-                        "the machine is not idle but in {state}: home, unlock or reset it first"
-                    )));
-                }
-                // Work zero comes with some reports only, the first among them.
-                board.offset_mm = match (status.machine_mm, status.work_mm) {
-                    (Some(machine), Some(work)) => Some(std::array::from_fn(|k| machine[k] - work[k])),
-                    _ => board.offset_mm,
-                };
-                return Ok(board);
-            }
-            Some(_) => {}
-        }
-    }
-    Err(fail("the board does not answer as GRBL does: wrong port, or wrong baud in the machine file".to_owned()))
 }
 
 fn confirm(machine: &Machine) -> Result<(), Failure> {
@@ -169,7 +127,7 @@ fn follow(link: &Link, args: &Args, lines: usize, max_s: f64) -> Result<Ending, 
             Event::Trouble(trouble) => tell(args, t_s, "trouble", &trouble.to_string())?,
             Event::Message(message) => tell(args, t_s, "message", message)?,
             Event::Denied(reason) => {
-                return Err(Failure { exit: Exit::Machine, source: (*reason).into() });
+                return Err(connection::failed(*reason));
             }
             Event::Ended(ending) => {
                 if args.json {
