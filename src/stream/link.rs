@@ -73,7 +73,7 @@ fn run(mut port: Box<dyn Port>, settings: Settings, asked: &Receiver<Command>, t
                 Ok(command) => actions.extend(session.command(began.elapsed(), command)),
                 Err(TryRecvError::Empty) => break,
             }
-            if closing && session.is_busy() {
+            if closing {
                 actions.extend(session.command(began.elapsed(), Command::Close));
             }
         }

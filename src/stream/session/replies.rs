@@ -72,6 +72,8 @@ impl Session {
                 let trouble = Trouble::Refused { line, text: entry.text, code, firmware: self.board.firmware };
                 if matches!(self.phase, Phase::Stopping(_)) {
                     self.tell(Event::Trouble(trouble))
+                } else if self.is_checking() {
+                    self.refused_in_check(line, trouble);
                 } else {
                     self.fail(trouble)
                 }
@@ -83,7 +85,11 @@ impl Session {
         if line == "$H" && error.is_none() {
             self.board.homed = true;
         }
+        let check_refused = error.is_some() && self.is_checking();
         self.tell(Event::Answered { line, error });
+        if check_refused {
+            return self.fail(Trouble::NoCheckMode);
+        }
         if matches!(self.phase, Phase::Asking) && self.alone.is_empty() && self.window.is_empty() {
             self.phase = Phase::Ready;
             let board = self.board.clone();
@@ -124,6 +130,7 @@ impl Session {
         match self.phase {
             Phase::Opening { .. } | Phase::Asking | Phase::Lost => self.ask(),
             Phase::Stopping(_) => self.finish_stop(true),
+            Phase::Ready if self.leaves_check() => self.finish_check(),
             Phase::Ready if self.job.is_some() => {
                 self.tell(Event::Trouble(Trouble::Restarted));
                 self.board.homed = false;
@@ -162,6 +169,7 @@ impl Session {
                     self.tell(Event::Trouble(Trouble::Asleep));
                     self.reset_for(Some(Trouble::Asleep));
                 }
+                _ if self.is_checking() => self.on_status_while_checking(state),
                 _ => self.end_when_done(),
             },
             _ => {}

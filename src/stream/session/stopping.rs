@@ -124,9 +124,9 @@ impl Session {
         self.end(Outcome::Failed(trouble), false, false);
     }
 
-    /// All lines are carried out.
-    pub(super) fn finish_done(&mut self) {
-        self.end(Outcome::Done, true, true);
+    /// The machine rests where it should, dark.
+    pub(super) fn finish_at_rest(&mut self, outcome: Outcome) {
+        self.end(outcome, true, true);
     }
 
     fn end(&mut self, outcome: Outcome, position_kept: bool, beam_off: bool) {
