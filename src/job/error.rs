@@ -55,6 +55,14 @@ pub enum Error {
         /// Why.
         source: crate::gcode::Error,
     },
+    /// A file is no drawing of ours.
+    #[error("{file}: {source}")]
+    Drawing {
+        /// The file.
+        file: String,
+        /// Where and why.
+        source: crate::drawing::Error,
+    },
     /// A file is no G-code.
     #[error("{file}: {source}")]
     Parse {
@@ -140,7 +148,7 @@ impl Error {
         match self {
             Error::Config(e) => e.refuses_job(),
             Error::Design(_) | Error::Mesh(_) | Error::UnknownStock { .. } => false,
-            Error::ForeignDesign { .. } | Error::Parse { .. } | Error::File { .. } => false,
+            Error::ForeignDesign { .. } | Error::Drawing { .. } | Error::Parse { .. } | Error::File { .. } => false,
             _ => true,
         }
     }

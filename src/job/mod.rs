@@ -8,11 +8,13 @@
 //! their folder and renamed at the end, so a failure leaves what was there before.
 
 mod artifacts;
+mod border;
 mod dry_run;
 mod error;
 mod order;
 mod output;
 mod pictures;
+mod probe;
 mod realise;
 mod report;
 mod ruffle_json;
@@ -21,9 +23,11 @@ mod sheets;
 mod stock;
 mod strips;
 
+pub use border::take_in;
 pub use dry_run::{Form, Look, Looked, look};
 pub use error::Error;
 pub use order::{Order, Overrides};
+pub use probe::{Difference, differences, machine_file, probed};
 pub use realise::{Realised, realise};
 pub use report::Report;
 pub use settings::{check_settings, expected, limits};

@@ -93,7 +93,9 @@ pub enum Trouble {
         refused: usize,
     },
     /// The board did not do with `$C` what GRBL does.
-    #[error("the board does not go into, stay in or leave check mode ($C) as GRBL does: it was reset, and the check says nothing")]
+    #[error(
+        "the board does not go into, stay in or leave check mode ($C) as GRBL does: it was reset, and the check says nothing"
+    )]
     NoCheckMode,
     /// The program could not be read on.
     #[error("line {line} of the job cannot be read: {reason}")]
