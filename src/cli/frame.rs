@@ -202,10 +202,16 @@ fn preflight(talk: &Talk, demand: &Demand, job: &Job, machine: &Machine, beam: b
 /// Sends a few lines and waits for their end.
 fn drive(talk: &mut Talk, lines: Vec<String>, ends_at_mm: Option<[f64; 2]>) -> Result<Outcome, Failure> {
     talk.command(Command::Run { lines: Box::new(lines.into_iter().map(Ok)), ends_at_mm });
-    let ending = talk.wait_for_end(&mut |message| {
+    let ended = talk.wait_for_end(&mut |message| {
         eprintln!("{message}");
         Ok(())
-    })?;
+    });
+    let ending = match ended {
+        Ok(ending) => ending,
+        // The stop came between two rounds.
+        Err(_) if talk.interrupted() => return Ok(Outcome::Stopped),
+        Err(failure) => return Err(failure),
+    };
     if ending.outcome != Outcome::Done {
         if !ending.beam_off {
             eprintln!("the board does not answer: SWITCH THE LASER OFF BY HAND");

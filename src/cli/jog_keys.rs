@@ -61,19 +61,16 @@ pub(super) fn run(mut talk: Talk, machine: &Machine, feed_mm_per_min: f64) -> Re
             Some(Event::Answered { error: Some(code), .. }) => say(&term, &mut shown, &talk.explained(code))?,
             Some(_) | None => {}
         }
-        let act = match keys.try_recv() {
-            Err(mpsc::TryRecvError::Empty) if !talk.interrupted() => continue,
-            Err(_) => Act::Quit,
-            Ok(key) => match act(&key, step) {
-                Some(act) => act,
-                None => continue,
-            },
+        let (pressed, ended) = pressed(&keys);
+        let act = match next_act(pressed.iter().filter_map(|key| act(key, step))) {
+            _ if ended || talk.interrupted() => Act::Quit,
+            Some(act) => act,
+            None => continue,
         };
         match act {
             Act::Quit => break,
             Act::Step(next) => step = next,
             Act::Stop => talk.command(Command::JogCancel),
-            // A key held down repeats faster than the machine moves: what would pile up is left out.
             _ if !matches!(talk.status.state, State::Idle | State::Alarm) => {}
             Act::Move(way) => {
                 let [dx_mm, dy_mm] = jog::clamped(&talk, machine, way);
@@ -154,6 +151,30 @@ fn read_keys(term: &Term) -> Receiver<Key> {
     keys
 }
 
+/// Keys since the last look, and whether there will be no more.
+fn pressed(keys: &Receiver<Key>) -> (Vec<Key>, bool) {
+    let mut pressed = Vec::new();
+    loop {
+        match keys.try_recv() {
+            Ok(key) => pressed.push(key),
+            Err(end) => return (pressed, end == mpsc::TryRecvError::Disconnected),
+        }
+    }
+}
+
+/// What to do of what was asked since the last look. A key held down repeats faster than the machine moves: one move of a row is made, so that
+/// the head stops when the key is let go, and anything else goes first.
+fn next_act(asked: impl Iterator<Item = Act>) -> Option<Act> {
+    let mut last = None;
+    for act in asked {
+        match act {
+            Act::Move(_) => last = Some(act),
+            other => return Some(other),
+        }
+    }
+    last
+}
+
 fn act(key: &Key, step: usize) -> Option<Act> {
     let by = STEPS_MM[step];
     Some(match key {
@@ -184,5 +205,13 @@ mod tests {
         assert_eq!(act(&Key::Char('+'), 3), Some(Act::Step(3)));
         assert_eq!(act(&Key::Char('-'), 0), Some(Act::Step(0)));
         assert_eq!(act(&Key::Char('x'), 2), None);
+    }
+
+    #[test]
+    fn a_key_held_down_makes_one_move_at_a_time_and_a_stop_goes_first() {
+        let moves = || (1..9).map(|k| Act::Move([f64::from(k), 0.0]));
+        assert_eq!(next_act(moves()), Some(Act::Move([8.0, 0.0])));
+        assert_eq!(next_act(moves().chain([Act::Stop])), Some(Act::Stop));
+        assert_eq!(next_act(std::iter::empty()), None);
     }
 }

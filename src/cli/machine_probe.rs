@@ -85,6 +85,15 @@ fn json(talk: &Talk, machine: &Machine, differences: Option<&[Difference]>) -> R
     }))
 }
 
+/// A value as people write it.
+fn plain(value: &serde_json::Value) -> String {
+    match value {
+        serde_json::Value::Null => "none".to_owned(),
+        serde_json::Value::String(text) => text.clone(),
+        value => value.as_f64().map_or_else(|| value.to_string(), output::number),
+    }
+}
+
 /// What was found, where it does not get into the file that is printed.
 fn tell(args: &Args, talk: &Talk, base: &Machine, differences: Option<&[Difference]>) -> Result<(), Failure> {
     let mut lines = Vec::new();
@@ -98,7 +107,7 @@ fn tell(args: &Args, talk: &Talk, base: &Machine, differences: Option<&[Differen
             lines.push(format!("the board agrees with {}", base.name));
         }
         for Difference { key, file, board } in differences {
-            lines.push(format!("{key}: {file} in {}, {board} on the board", base.name));
+            lines.push(format!("{key}: {} in {}, {} on the board", plain(file), base.name, plain(board)));
         }
     }
     match args.out {
