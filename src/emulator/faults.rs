@@ -35,6 +35,8 @@ pub enum Fault {
     Replug,
     /// The board resets as when its button is pressed.
     Reset,
+    /// The board says so many lines of its own accord.
+    Chatter(u32),
 }
 
 /// Faults to come and those under way.
