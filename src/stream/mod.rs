@@ -24,6 +24,8 @@ mod preflight;
 mod realtime;
 mod reply;
 mod sendable;
+#[cfg(unix)]
+mod served;
 mod session;
 mod status;
 mod trouble;
@@ -40,6 +42,8 @@ pub use port::{Address, Listed, OpenError, Port, list_ports};
 pub use preflight::{Demand, Expected, Finding, Weight, header_value, preflight};
 pub use realtime::Override;
 pub use reply::Firmware;
+#[cfg(unix)]
+pub use served::ServedBoard;
 pub use session::{Session, Settings};
 pub use status::{State, Status};
 pub use trouble::Trouble;

@@ -86,7 +86,9 @@ fn a_reset_loses_g92_tool_length_and_modes_and_keeps_g54() {
 fn what_is_restored_is_what_was_asked_for() {
     let soiled = || {
         let mut bench = Bench::ready(&[]);
-        ["$110=777", "G10L2P1X-7", "$N0=G91", "$I=LASER7"].map(|line| bench.ok(line));
+        for line in ["$110=777", "G10L2P1X-7", "$N0=G91", "$I=LASER7"] {
+            bench.ok(line);
+        }
         bench
     };
     let left = |command: &str| {
@@ -108,7 +110,9 @@ fn what_is_restored_is_what_was_asked_for() {
 fn the_end_of_a_program_darkens_resets_modes_and_overrides_and_keeps_places() {
     for end in ["M2", "M30"] {
         let mut bench = Bench::ready(&[]);
-        ["G92X5", "M3S500", "G91", "G55"].map(|line| bench.ok(line));
+        for line in ["G92X5", "M3S500", "G91", "G55"] {
+            bench.ok(line);
+        }
         bench.ask(&[0x91]);
         bench.stream(&["M8", "G1X10F1200"]);
         assert_eq!(bench.ask(format!("{end}\n").as_bytes()), [""; 0], "it waits for the motion");
@@ -125,7 +129,9 @@ fn the_end_of_a_program_darkens_resets_modes_and_overrides_and_keeps_places() {
 #[test]
 fn a_pause_holds_with_the_laser_dark_and_goes_on_when_told() {
     let mut bench = Bench::ready(&[]);
-    ["M3S500", "G1X1F600"].map(|line| bench.ok(line));
+    for line in ["M3S500", "G1X1F600"] {
+        bench.ok(line);
+    }
     bench.settle();
     assert_eq!(bench.ask(b"M0\nG1X2\n"), [""; 0]);
     assert_eq!((bench.state().as_str(), bench.board.power()), ("Hold:0", 0.0));
@@ -137,7 +143,9 @@ fn a_pause_holds_with_the_laser_dark_and_goes_on_when_told() {
 #[test]
 fn a_spindle_stopped_in_a_hold_says_when_it_runs_again() {
     let mut bench = Bench::ready(&[(32, 0.0)]);
-    ["M3S500", "G1X50F600"].map(|line| bench.ok(line));
+    for line in ["M3S500", "G1X50F600"] {
+        bench.ok(line);
+    }
     bench.ask(b"!");
     assert_eq!(bench.board.power(), 0.5, "without laser mode a hold lets the spindle run");
     assert_eq!((bench.ask(&[0x9E]), bench.board.power()), (vec![], 0.0));

@@ -56,7 +56,9 @@ fn a_contact_that_is_there_from_the_start_is_an_alarm_and_nothing_moves() {
 #[test]
 fn the_beam_is_off_while_probing() {
     let mut bench = Bench::ready(&[]);
-    ["M3S500", "G38.3X5F600"].map(|line| bench.ask(format!("{line}\n").as_bytes()));
+    for line in ["M3S500", "G38.3X5F600"] {
+        bench.ask(format!("{line}\n").as_bytes());
+    }
     bench.wait(2.0);
     assert!(bench.board.trace().iter().all(|s| !s.is_lit()) && bench.board.position_mm().x == 5.0);
 }

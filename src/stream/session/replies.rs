@@ -36,6 +36,10 @@ impl Session {
                 self.board.version = version;
                 self.tell(Event::Text(line.trim().to_owned()));
             }
+            Reply::Firmware(firmware) => {
+                self.board.firmware = firmware;
+                self.tell(Event::Text(line.trim().to_owned()));
+            }
             Reply::Message(message) => self.tell(Event::Message(message)),
             Reply::Buffers { .. } | Reply::Text(_) => self.tell(Event::Text(line.trim().to_owned())),
         }
@@ -178,6 +182,10 @@ impl Session {
 
     /// What a report says about lines carried out, and about rest.
     fn count_rest(&mut self, status: &Status) {
+        if let Some((free, _)) = status.free {
+            // A board that does not tell its planner's size has at least as many places as are free.
+            self.board.blocks = self.board.blocks.max(free);
+        }
         let used = status.free.map(|(blocks, _)| self.board.blocks.saturating_sub(blocks));
         let idle = matches!(status.state, State::Idle | State::Check);
         self.rest_reports = if idle && used.unwrap_or(0) == 0 { self.rest_reports + 1 } else { 0 };

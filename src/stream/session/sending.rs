@@ -92,7 +92,7 @@ impl Session {
         }
         match &job.next {
             Some((_, line)) if line.alone && !rested => Ok(None),
-            Some((_, line)) if !self.window.has_room(line.text.len(), self.board.rx_bytes) => Ok(None),
+            Some((_, line)) if !self.window.has_room(line.text.len(), self.board.window_bytes()) => Ok(None),
             Some(_) => Ok(job.next.take().map(|(number, line)| (Kind::Job(number), line))),
             None if job.closed || !self.window.is_empty() => Ok(None),
             None => {
