@@ -138,7 +138,8 @@ impl Session {
             Phase::Ready if self.job.is_some() => {
                 self.tell(Event::Trouble(Trouble::Restarted));
                 self.board.homed = false;
-                self.finish_restarted();
+                // Lines that were on the wire when it started anew are carried out by a board that knows nothing of what came before them.
+                self.reset_for(Some(Trouble::Restarted));
             }
             Phase::Ready => self.tell(Event::Restarted),
         }
@@ -197,10 +198,11 @@ impl Session {
         let rested = self.rested();
         if let Some(job) = &mut self.job {
             match used {
-                _ if rested => job.ledger.resting(0),
+                _ if rested => job.ledger.agreed(),
                 Some(used) if status.state == State::Hold(0) => job.ledger.resting(used),
-                Some(used) => job.ledger.moving(used),
-                None => {}
+                // An alarm empties the planner.
+                Some(used) if status.state != State::Alarm => job.ledger.moving(used),
+                _ => {}
             }
         }
     }

@@ -126,7 +126,10 @@ impl Session {
     /// Trouble: tells it and ends the job; without one it is only told.
     pub(super) fn fail(&mut self, trouble: Trouble) {
         self.tell(Event::Trouble(trouble.clone()));
-        if self.job.is_some() {
+        if let Some(job) = &mut self.job {
+            if matches!(trouble, Trouble::LostAnswer { .. } | Trouble::ExtraAnswer) {
+                job.ledger.doubt();
+            }
             self.brake(Some(trouble));
         }
     }

@@ -165,6 +165,7 @@ fn a_banner_in_the_middle_of_a_job_ends_it_and_forgets_what_was_under_way() {
     assert_eq!(ending.outcome, Outcome::Failed(Trouble::Restarted));
     assert!(!ending.position_kept && bench.session.window.is_empty());
     assert!(bench.session.is_ready());
+    assert_eq!(bench.board.realtime, [0x18], "lines that were on the wire are thrown away");
 }
 
 #[test]
