@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use serde_json::json;
 
-use super::connection::{OnInterrupt, Talk, Where, failed, machine_failure};
+use super::connection::{Where, failed, machine_failure};
+use super::talk::{OnInterrupt, Talk};
 use super::{Failure, output};
 use crate::config::Library;
 use crate::stream::{Command, Event, State, Trouble};

@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde_json::json;
 
-use super::connection::{self, OnInterrupt, Talk, Where, refused};
+use super::connection::{self, Where, refused};
+use super::talk::{OnInterrupt, Talk};
 use super::{Failure, output};
 use crate::config::{Library, Machine};
 use crate::stream::{self, Command, Demand, Extent, Frame, Outcome, Tracing, Weight};

@@ -2,7 +2,8 @@
 
 use serde_json::json;
 
-use super::connection::{Answer, OnInterrupt, Talk, Where, failed, refused};
+use super::connection::{Where, failed, refused};
+use super::talk::{Answer, OnInterrupt, Talk};
 use super::{Failure, output};
 use crate::config::Library;
 use crate::stream::{Command, State};

@@ -4,7 +4,8 @@ use std::io::IsTerminal;
 
 use serde_json::json;
 
-use super::connection::{self, Answer, OnInterrupt, Talk, Where, refused};
+use super::connection::{self, Where, refused};
+use super::talk::{Answer, OnInterrupt, Talk};
 use super::{Failure, jog_keys, output};
 use crate::config::{Library, Machine};
 use crate::job;

@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use console::{Key, Term};
 
-use super::connection::{EVENT_WAIT, OnInterrupt, Talk, machine_failure};
+use super::connection::{EVENT_WAIT, machine_failure};
+use super::talk::{OnInterrupt, Talk};
 use super::{Failure, jog};
 use crate::config::Machine;
 use crate::stream::{Command, Event, State, Trouble};

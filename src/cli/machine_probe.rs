@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::connection::Talk;
+use super::talk::Talk;
 use super::{Failure, output};
 use crate::config::{Library, Machine};
 use crate::job::{self, Difference};

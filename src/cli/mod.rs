@@ -20,6 +20,7 @@ mod ports;
 mod preview;
 mod profile;
 mod send;
+mod talk;
 
 use std::error::Error;
 use std::process::ExitCode;

@@ -90,6 +90,12 @@ fn home_corner(mask: u32) -> Corner {
 pub fn machine_file(machine: &Machine, answers: &[String]) -> String {
     let text = toml::to_string(machine).expect("a machine holds what TOML has: texts, numbers, tables and lists");
     let mut document: DocumentMut = text.parse().expect("written by the line above");
+    if let Some(setup) = document.get_mut("setup").and_then(toml_edit::Item::as_array_mut) {
+        // A step a line, as in the files that come with the program.
+        setup.iter_mut().for_each(|step| step.decor_mut().set_prefix("\n  "));
+        setup.set_trailing("\n");
+        setup.set_trailing_comma(true);
+    }
     let mut note = |table: &str, key: &str, note: &str| {
         let value = document.get_mut(table).and_then(|t| t.get_mut(key)).and_then(toml_edit::Item::as_value_mut);
         if let Some(value) = value {
@@ -110,7 +116,8 @@ pub fn machine_file(machine: &Machine, answers: &[String]) -> String {
     file += "\n# The beam stays off while borders are traced; for a diode, frame_power_max = 0.01 under [tool] allows 1 % while it moves.\n";
     if !answers.is_empty() {
         file += "#\n# What the board answered ($I, $$, $#, $G):\n";
-        answers.iter().for_each(|line| file += &format!("#   {line}\n"));
+        let plain = |line: &String| line.chars().filter(|c| !c.is_control()).collect::<String>();
+        answers.iter().for_each(|line| file += &format!("#   {}\n", plain(line)));
     }
     file
 }
@@ -173,7 +180,7 @@ mod tests {
             (131, 0.0),
         ]);
         let machine = probed(&told, &base(), "mine");
-        let answers = ["[VER:1.1h:]".to_owned(), "$130=300.000".to_owned()];
+        let answers = ["[VER:1.1h:\u{1}]".to_owned(), "$130=300.000".to_owned()];
         let text = machine_file(&machine, &answers);
         assert_eq!(Library::built_in().machine_in("mine.toml", text.clone()).unwrap(), machine, "{text}");
         assert!(text.contains("max_s = 255.0   # $30") && text.contains("#   $130=300.000\n"), "{text}");

@@ -3,6 +3,7 @@
 //! ```text
 //! bytes, time, commands --Session--> bytes, events        Link: a session on a thread, with a Port and the clock
 //! moves, Board --preflight--> findings                    before the first line is sent
+//! moves --Extent--> Frame --lines--> a program            the border, to see where a job lies
 //! ```
 //!
 //! [`Session`] has no clock, no port and no thread: it is told what came and when, and says what to write. Lines are counted into the board's receive
