@@ -162,7 +162,7 @@ fn a_shown_border_that_is_stopped_darkens_and_keeps_the_place() {
 fn a_checked_program_moves_and_burns_nothing_and_names_every_line_that_is_refused() {
     let zero = furbelow::geom::V3::new(-7.0, -9.0, 0.0);
     let mut hardware = BoardSettings::default();
-    hardware.offsets_mm[0] = zero;
+    hardware.memory.offsets_mm[0] = zero;
     let mut bench = Bench::new(hardware);
     bench.command(Command::Line("G1X5Y5F6000".into()));
     assert!(bench.until(10.0, |b| b.board.state() == State::Idle && !b.board.is_moving() && b.now_s > 5.0));
