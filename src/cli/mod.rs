@@ -10,6 +10,7 @@ mod console;
 mod files;
 mod frame;
 mod home;
+mod job_files;
 mod jog;
 mod jog_keys;
 mod machine;
