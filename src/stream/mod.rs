@@ -6,6 +6,8 @@
 //! moves --Extent--> Frame --lines--> a program            the border, to see where a job lies
 //! ```
 //!
+//! On Unix `ServedBoard` puts the emulated board behind a pseudo-terminal, so that any sender can be tried on it.
+//!
 //! [`Session`] has no clock, no port and no thread: it is told what came and when, and says what to write. Lines are counted into the board's receive
 //! buffer; each answer is matched to its line; a line that makes the board write its memory goes alone and at rest. Whatever goes wrong ends in a
 //! hold, a wait for rest and a reset, and in an account of which lines are carried out. The protocol is that of GRBL 1.1

@@ -4,14 +4,14 @@ use furbelow::emulator::Fault;
 use furbelow::stream::{Event, Outcome, Trouble};
 use std::time::Duration;
 
-use super::stage::{Case, LONG_CUT, SQUARE, Stage, board_with, limited, plain};
+use super::stage::{Case, SQUARE, board_with, limited, plain};
 
 pub const CASES: &[Case] = &[
     Case {
         name: "a board that resets in a job ends it",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.strike(Fault::Reset);
             let ending = stage.ending();
             assert_eq!(ending.outcome, Outcome::Failed(Trouble::Restarted));
@@ -22,7 +22,7 @@ pub const CASES: &[Case] = &[
         name: "a pulled plug ends the job and a board with its own power carries out what it holds",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.strike(Fault::Unplug { powered: true });
             let ending = stage.ending();
             assert!(matches!(ending.outcome, Outcome::Failed(Trouble::Link(_))), "{ending:?}");
@@ -35,7 +35,7 @@ pub const CASES: &[Case] = &[
         name: "a pulled plug darkens a board without power at once",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.strike(Fault::Unplug { powered: false });
             assert!(matches!(stage.trouble(), Trouble::Link(_)));
             stage.served.with(|board, _| assert!(board.power() == 0.0 && !board.is_moving()));
@@ -46,7 +46,7 @@ pub const CASES: &[Case] = &[
         name: "a plug that goes in again brings a device with a board that lost its place",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.strike(Fault::Unplug { powered: false });
             assert!(matches!(stage.trouble(), Trouble::Link(_)));
             stage.strike(Fault::Replug);
@@ -61,7 +61,7 @@ pub const CASES: &[Case] = &[
         name: "a limit switch in a cut stops at once and is reset",
         board: || board_with(&[(21, 1.0)]),
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.served.with(|board, _| board.set_switch(0, true));
             assert!(matches!(stage.trouble(), Trouble::Alarm { code: 1, .. }));
             stage.served.with(|board, _| assert_eq!(board.power(), 0.0));
@@ -117,7 +117,7 @@ pub const CASES: &[Case] = &[
         name: "garbage from the board harms nobody",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.strike(Fault::CorruptOut(300));
             let ending = stage.ending();
             let noticed = matches!(ending.outcome, Outcome::Done | Outcome::Failed(_));
@@ -128,7 +128,7 @@ pub const CASES: &[Case] = &[
         name: "messages between the answers are told and no answers",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.strike(Fault::Chatter(20));
             stage.done(40.0);
             let told = stage.events.iter().filter(|e| matches!(e, Event::Message(m) if m.starts_with("INFO"))).count();
@@ -139,7 +139,7 @@ pub const CASES: &[Case] = &[
         name: "a link that goes dead in a job ends it, and is told to be switched off by hand",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.strike(Fault::DropOut(u32::MAX));
             stage.strike(Fault::DropIn(u32::MAX));
             let ending = stage.ending();
@@ -163,10 +163,3 @@ pub const CASES: &[Case] = &[
         },
     },
 ];
-
-/// In the middle of the long cut.
-fn cutting(stage: &mut Stage) {
-    stage.ready();
-    stage.send(LONG_CUT, None);
-    stage.lit();
-}

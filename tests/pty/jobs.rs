@@ -2,7 +2,7 @@
 
 use furbelow::stream::{Command, Event, Outcome, Override, State, Trouble};
 
-use super::stage::{Case, LONG_CUT, SQUARE, Stage, board_with, plain};
+use super::stage::{Case, LONG_CUT, SQUARE, board_with, plain};
 
 pub const CASES: &[Case] = &[
     Case {
@@ -29,7 +29,7 @@ pub const CASES: &[Case] = &[
         name: "a job is held in the dark and goes on to the same end",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.give(Command::Hold);
             stage.state(State::Hold(0));
             stage.served.with(|board, _| assert_eq!(board.power(), 0.0));
@@ -41,7 +41,7 @@ pub const CASES: &[Case] = &[
         name: "an open door stops a job until it is closed",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.give(Command::Door);
             stage.state(State::Door(0));
             stage.served.with(|board, _| assert_eq!(board.power(), 0.0));
@@ -53,7 +53,7 @@ pub const CASES: &[Case] = &[
         name: "a stop with the door open keeps the position",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.give(Command::Door);
             stage.state(State::Door(0));
             stage.give(Command::Stop);
@@ -65,7 +65,7 @@ pub const CASES: &[Case] = &[
         name: "a stop in a cut brakes, darkens and keeps the position",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.give(Command::Stop);
             let ending = stage.ending();
             assert!(ending.outcome == Outcome::Stopped && ending.position_kept && ending.beam_off, "{ending:?}");
@@ -79,7 +79,7 @@ pub const CASES: &[Case] = &[
         name: "a stop is dark in time",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.give(Command::Stop);
             stage.dark_soon();
         },
@@ -99,7 +99,7 @@ pub const CASES: &[Case] = &[
         name: "a second stop does not wait",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.give(Command::Stop);
             stage.give(Command::Stop);
             stage.dark_soon();
@@ -109,7 +109,7 @@ pub const CASES: &[Case] = &[
         name: "a reset in motion is told to have lost the position",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.give(Command::Reset);
             let ending = stage.ending();
             assert!(ending.outcome == Outcome::Stopped && !ending.position_kept && ending.beam_off, "{ending:?}");
@@ -119,7 +119,7 @@ pub const CASES: &[Case] = &[
         name: "whoever goes away in a job leaves a stopped machine",
         board: plain,
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.close();
             stage.served.with(|board, _| assert!(!board.is_moving() && board.power() == 0.0));
             assert!(stage.burnt_mm() < 40.0);
@@ -227,7 +227,7 @@ pub const CASES: &[Case] = &[
         name: "overrides show in the reports and change the time",
         board: || board_with(&[(10, 3.0)]),
         play: |stage| {
-            cutting(stage);
+            stage.cutting();
             stage.give(Command::Override(Override::Feed, 130));
             stage.give(Command::Override(Override::Power, 80));
             stage.status("both overrides", |s| s.overrides == Some([130, 100, 80]));
@@ -244,10 +244,3 @@ pub const CASES: &[Case] = &[
         },
     },
 ];
-
-/// In the middle of the long cut.
-fn cutting(stage: &mut Stage) {
-    stage.ready();
-    stage.send(LONG_CUT, None);
-    stage.lit();
-}

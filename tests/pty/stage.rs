@@ -186,6 +186,13 @@ impl Stage {
         self.state(furbelow::stream::State::Idle);
     }
 
+    /// In the middle of the long cut.
+    pub fn cutting(&mut self) {
+        self.ready();
+        self.send(LONG_CUT, None);
+        self.lit();
+    }
+
     /// Strikes the board now.
     pub fn strike(&mut self, fault: Fault) {
         self.served.with(|board, now_s| board.schedule(When::At(now_s), fault));
