@@ -97,8 +97,8 @@ fn read(args: &Args, machine: &Machine) -> Result<Job, Failure> {
         let text =
             std::fs::read_to_string(&path).map_err(|e| Failure::config(format!("{name} cannot be read: {e}")))?;
         job::take_in(&mut extent, &name, &text, burns).map_err(|e| refused(e.to_string()))?;
-        let header = text.lines().find_map(|line| stream::header_value(line, "machine"));
-        made_for = made_for.or(header.map(str::to_owned));
+        let label = job::Label::read(text.as_bytes()).map_err(Failure::config)?;
+        made_for = made_for.or(label.machine);
     }
     let frame = if args.upright { extent.boxed() } else { extent.hull() };
     let frame =

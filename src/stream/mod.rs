@@ -47,7 +47,7 @@ pub use ledger::Progress;
 pub use link::Link;
 pub use plan::{Plan, Planned};
 pub use port::{Address, Listed, OpenError, Port, list_ports};
-pub use preflight::{Demand, Expected, Finding, Weight, header_value, preflight};
+pub use preflight::{Demand, Expected, Finding, Weight, preflight};
 pub use realtime::Override;
 pub use reply::Firmware;
 #[cfg(unix)]

@@ -89,12 +89,6 @@ impl Demand {
     }
 }
 
-/// What a comment of a job file says under `key`: "; machine: diode-400" says "diode-400" of "machine".
-pub fn header_value<'a>(line: &'a str, key: &str) -> Option<&'a str> {
-    let (found, value) = line.trim().strip_prefix(';')?.split_once(':')?;
-    (found.trim() == key).then(|| value.trim())
-}
-
 /// Objections to sending a program to this board, refusals first. `made_for` is the machine the file names, when it names one.
 pub fn preflight(demand: &Demand, made_for: Option<&str>, board: &Board, expected: &Expected) -> Vec<Finding> {
     let mut findings = Vec::new();
@@ -268,8 +262,6 @@ mod tests {
 
     #[test]
     fn a_job_for_another_machine_is_refused() {
-        assert_eq!(header_value("; machine: k40 ", "machine"), Some("k40"));
-        assert_eq!(header_value("; material: paper", "machine"), None);
         assert_eq!(codes(&demand(JOB), Some("k40"), &good()), ["other-machine"]);
     }
 

@@ -20,12 +20,17 @@ impl Sending<'_> {
         if home && !home::home(&mut self.talk, &self.machine.name)? {
             return Ok(false);
         }
+        if self.talk.interrupted() {
+            return Ok(false);
+        }
         if locked && !home {
             return Err(failed(
                 "the machine is locked: --home homes it first; without switches, `furbelow home --unlock`",
             ));
         }
-        self.talk.wait_for_rest()?;
+        if home {
+            self.talk.wait_for_rest()?;
+        }
         connection::require_idle(&self.talk.status)?;
         if self.args.zero {
             jog::zero_here(&mut self.talk)?;
@@ -38,30 +43,18 @@ impl Sending<'_> {
         Ok(true)
     }
 
-    /// What is told by scripts and people apart before anything moves: objections of board and programs, warnings first, refusals as the error.
+    /// Tells what stands between the programs and this board, and sets the board right where that is agreed to.
     ///
     /// # Errors
-    /// Something stands between a program and this board.
+    /// Something that forbids sending.
     pub(super) fn preflight(&mut self) -> Result<(), Failure> {
         let mut findings = self.findings();
-        let mut fixes: Vec<String> =
-            findings.iter().filter_map(|f| f.fix.clone()).filter(|f| f.contains('=')).collect();
-        fixes.dedup();
-        if !fixes.is_empty() {
-            let differences: Vec<&str> = findings
-                .iter()
-                .filter(|f| f.fix.as_ref().is_some_and(|f| f.contains('=')))
-                .map(|f| f.message.as_str())
-                .collect();
-            let question = format!("{}\nset {} on the board, for good?", differences.join("\n"), fixes.join(", "));
-            if self.args.fix || self.agrees(&question)? {
-                for fix in &fixes {
-                    self.talk.insist(Command::Line(fix.clone()))?;
-                    self.teller.note("fixed", &format!("{fix} is set on the board"))?;
-                }
-                self.ask_again()?;
-                findings = self.findings();
-            }
+        if self.set_right(&findings)? {
+            self.ask_again()?;
+            findings = self.findings();
+        }
+        if self.talk.interrupted() {
+            return Ok(());
         }
         let mut refusals = Vec::new();
         for Finding { weight, code, message, fix } in findings {
@@ -80,19 +73,46 @@ impl Sending<'_> {
         if refusals.is_empty() { Ok(()) } else { Err(refused(refusals.join("; "))) }
     }
 
-    /// Objections to any of the programs, each once.
+    /// Writes the settings that objections ask for, one by one, when somebody agrees. False when nothing was written.
+    fn set_right(&mut self, findings: &[Finding]) -> Result<bool, Failure> {
+        let (mut wrong, mut fixes) = (String::new(), Vec::new());
+        for finding in findings {
+            if let Some(fix) = finding.fix.as_deref().filter(|fix| fix.contains('=')) {
+                wrong += &format!("{}\n", finding.message);
+                fixes.push(fix);
+            }
+        }
+        let question = format!("{wrong}set {} on the board, for good?", fixes.join(", "));
+        if fixes.is_empty() || !self.args.fix && !self.agrees(&question)? {
+            return Ok(false);
+        }
+        for fix in fixes {
+            self.talk.insist(Command::Line(fix.to_owned()))?;
+            self.teller.note("fixed", &format!("{fix} is set on the board"))?;
+        }
+        Ok(true)
+    }
+
+    /// Objections to any of the programs, each once; with the program's name where not all of them are meant.
     fn findings(&self) -> Vec<Finding> {
         let expected = job::expected(&self.machine);
-        let mut findings: Vec<Finding> = Vec::new();
+        let mut findings: Vec<(Finding, Vec<String>)> = Vec::new();
         for program in &self.programs {
             let made_for = program.label.machine.as_deref();
             for finding in stream::preflight(&program.survey.demand, made_for, &self.talk.board, &expected) {
-                if !findings.contains(&finding) {
-                    findings.push(finding);
+                match findings.iter_mut().find(|(known, _)| *known == finding) {
+                    Some((_, programs)) => programs.push(program.name()),
+                    None => findings.push((finding, vec![program.name()])),
                 }
             }
         }
-        findings
+        let name = |(mut finding, programs): (Finding, Vec<String>)| {
+            if programs.len() < self.programs.len() {
+                finding.message = format!("{}: {}", programs.join(", "), finding.message);
+            }
+            finding
+        };
+        findings.into_iter().map(name).collect()
     }
 
     /// Asks the board everything again and waits until it has answered and rests.

@@ -91,7 +91,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Ok(Outcome::Done) => teller.over("done", "all is cut"),
         Ok(Outcome::Stopped) => {
             // Nobody may be listening, and the exit code says the same.
-            let _ = teller.over("stopped", "stopped by you");
+            let _ = teller.over("stopped", "stopped on request");
             std::process::exit(Exit::STOPPED)
         }
         Ok(Outcome::Failed(trouble)) => {
@@ -139,7 +139,9 @@ fn send(args: &Args, machine: Machine, teller: &mut Teller) -> Result<Outcome, F
     if args.check_on_board && !sending.check_on_board()? {
         return Ok(Outcome::Stopped);
     }
-    sending.tick_off()?;
+    if !sending.tick_off()? {
+        return Ok(Outcome::Stopped);
+    }
     sending.cut()
 }
 
@@ -185,7 +187,7 @@ fn setup(args: &Args, machine: &Machine, programs: &[Program], teller: &Teller) 
     for program in programs {
         for doubt in program.label.doubts(machine) {
             if !told.contains(&doubt.message) {
-                teller.warn(&doubt.code, &doubt.message)?;
+                teller.warn(doubt.code, &doubt.message)?;
                 told.push(doubt.message);
             }
         }

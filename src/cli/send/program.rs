@@ -9,8 +9,11 @@ use crate::gcode::{self, CheckSettings, Checker};
 use crate::job::Label;
 use crate::stream::{Lines, Survey};
 
-/// Bytes read from disk at once.
-const BLOCK_BYTES: usize = 1 << 16;
+/// Bytes read from disk at once, to be checked.
+const CHECK_BYTES: usize = 1 << 16;
+
+/// Bytes read from disk at once, to be sent: a few hundred lines, after which the file is looked at again.
+const SEND_BYTES: usize = 1 << 12;
 
 /// A program that has been checked.
 pub(super) struct Program {
@@ -37,7 +40,7 @@ impl Program {
         let mut file = WatchedFile::open(path).map_err(unreadable)?;
         let mut survey = Survey::default();
         let mut checker = Checker::watched(settings, &mut survey);
-        checker.read(BufReader::with_capacity(BLOCK_BYTES, &mut file), step).map_err(unreadable)?;
+        checker.read(BufReader::with_capacity(CHECK_BYTES, &mut file), step).map_err(unreadable)?;
         let report = checker.finish();
         if let Some(finding) = report.errors.first() {
             let more = match report.errors.len() - 1 {
@@ -63,7 +66,7 @@ impl Program {
     pub(super) fn open(&self) -> Result<Lines, Failure> {
         let file = WatchedFile::reopen(&self.path, &self.stamp)
             .map_err(|e| Failure::config(format!("{} cannot be sent: {e}", self.name())))?;
-        Ok(Box::new(gcode::read_lines(BufReader::with_capacity(BLOCK_BYTES, file))))
+        Ok(Box::new(gcode::read_lines(BufReader::with_capacity(SEND_BYTES, file))))
     }
 
     /// What to lay on the bed, for people: "A4, 297 x 210 mm, grain along X".
@@ -76,8 +79,8 @@ impl Program {
         Some(stock)
     }
 
-    /// Which sheet it is and of how many: as it says itself, or else by its place among those that are sent.
-    pub(super) fn place(&self, index: usize, count: usize) -> (usize, usize) {
-        self.label.sheet.as_ref().map_or((index + 1, count), |sheet| (sheet.number, sheet.of))
+    /// Which sheet it is and of how many: as it says itself, or else by its place in the folder.
+    pub(super) fn place(&self, in_folder: (usize, usize)) -> (usize, usize) {
+        self.label.sheet.as_ref().map_or(in_folder, |sheet| (sheet.number, sheet.of))
     }
 }

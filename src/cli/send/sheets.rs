@@ -13,24 +13,29 @@ use crate::stream::{Command, Ending, Event, Forecast, Outcome, Trouble};
 const KEY_WAIT: Duration = Duration::from_millis(50);
 
 impl Sending<'_> {
-    /// Has the checklist ticked off and the first sheet laid on the bed, unless that is said to be done.
+    /// Has the checklist ticked off and the first sheet laid on the bed, unless that is said to be done. False when the user would rather not.
     ///
     /// # Errors
     /// Nobody is there.
-    pub(super) fn tick_off(&mut self) -> Result<(), Failure> {
-        let Some(first) = self.programs.first() else { return Ok(()) };
-        let (number, of) = first.place(0, self.programs.len());
+    pub(super) fn tick_off(&mut self) -> Result<bool, Failure> {
+        let Some(first) = self.programs.first() else { return Ok(true) };
+        let (number, of) = self.place(0);
         if let Some(stock) = first.stock() {
             self.teller.say(&format!("sheet {number} of {of}: {stock}, its corner at work zero"));
         }
         if self.args.yes {
-            return Ok(());
+            return Ok(true);
         }
         if let Some(list) = output::checklist_text(&self.setup) {
             self.teller.say(&list);
         }
-        self.ask("all done? Enter starts the machine, Ctrl-C leaves it alone")?;
-        Ok(())
+        Ok(self.ask("all done? Enter starts the machine, Ctrl-C leaves it alone")?.is_some())
+    }
+
+    /// Which sheet a program is and of how many.
+    fn place(&self, k: usize) -> (usize, usize) {
+        let before = self.args.from_sheet - 1;
+        self.programs[k].place((before + k + 1, before + self.programs.len()))
     }
 
     /// Sends every sheet.
@@ -38,19 +43,15 @@ impl Sending<'_> {
     /// # Errors
     /// Nobody is there to load the next, a file that is no longer what was checked, or a machine that does not obey.
     pub(super) fn cut(&mut self) -> Result<Outcome, Failure> {
-        let count = self.programs.len();
-        for k in 0..count {
-            if k > 0 {
-                self.load(k)?;
-            }
-            if self.talk.interrupted() {
+        for k in 0..self.programs.len() {
+            if k > 0 && !self.load(k)? || self.talk.interrupted() {
                 return Ok(Outcome::Stopped);
             }
             connection::require_idle(&self.talk.status)?;
             let program = &self.programs[k];
             let (lines, ends_at_mm) = (program.open()?, program.survey.demand.ends_at_mm);
             let forecast = Forecast::new(program.survey.plan.clone());
-            self.teller.begins(program.place(k, count), &program.name(), program.lines, forecast.total_s())?;
+            self.teller.begins(self.place(k), &program.name(), program.lines, forecast.total_s())?;
             if k == 0 && self.keyboard.is_some() {
                 self.teller.say(WORDS);
             }
@@ -103,42 +104,41 @@ impl Sending<'_> {
         }
     }
 
-    /// Has the next sheet laid on the bed.
-    fn load(&mut self, k: usize) -> Result<(), Failure> {
+    /// Has the next sheet laid on the bed. False when the user has had enough.
+    fn load(&mut self, k: usize) -> Result<bool, Failure> {
         let program = &self.programs[k];
-        let (number, of) = program.place(k, self.programs.len());
+        let (number, of) = self.place(k);
         let stock = program.stock().unwrap_or_else(|| program.name());
-        let what = format!("load sheet {number} of {of}: {stock}");
-        self.teller.note("load", &what)?;
-        match self.args.pause_s {
-            Some(pause_s) => {
-                self.teller.say(&format!("it is cut in {pause_s} s; Ctrl-C ends here"));
-                let until = Instant::now() + Duration::from_secs(pause_s.into());
-                while let Some(left) = until.checked_duration_since(Instant::now()) {
-                    self.idle(left.min(EVENT_WAIT))?;
-                }
-                Ok(())
+        self.teller.note("load", &format!("load sheet {number} of {of}: {stock}"))?;
+        let Some(pause_s) = self.args.pause_s else {
+            return Ok(self.ask("Enter goes on, Ctrl-C ends here")?.is_some());
+        };
+        self.teller.say(&format!("it is cut in {pause_s} s; Ctrl-C ends here"));
+        let until = Instant::now() + Duration::from_secs(pause_s.into());
+        while let Some(left) = until.checked_duration_since(Instant::now()) {
+            if !self.idle(left.min(EVENT_WAIT))? {
+                return Ok(false);
             }
-            None => self.ask("Enter goes on, Ctrl-C ends here").map(drop),
         }
+        Ok(true)
     }
 
-    /// Asks something and waits for a line; what was typed before does not count.
+    /// Asks something and waits for a line; what was typed before does not count. `None` when the user has stopped it instead.
     ///
     /// # Errors
     /// Nobody is there, or the board fails meanwhile.
-    fn ask(&mut self, question: &str) -> Result<String, Failure> {
+    fn ask(&mut self, question: &str) -> Result<Option<String>, Failure> {
         self.teller.say(question);
         let nobody = || Failure::config("nobody is there to answer; give --yes when everything is prepared");
         self.keyboard.as_ref().ok_or_else(nobody)?.forget();
-        loop {
+        while self.idle(KEY_WAIT)? {
             if let Some(keyboard) = &self.keyboard
                 && let Some(line) = keyboard.line()?
             {
-                return Ok(line);
+                return Ok(Some(line));
             }
-            self.idle(KEY_WAIT)?;
         }
+        Ok(None)
     }
 
     /// Asks for a yes; nobody there, or `--yes`, which is for the checklist, is a no.
@@ -147,18 +147,19 @@ impl Sending<'_> {
             return Ok(false);
         }
         let answer = self.ask(&format!("{question} [y/N]"))?;
-        Ok(matches!(answer.trim().to_ascii_lowercase().as_str(), "y" | "yes"))
+        Ok(answer.is_some_and(|answer| matches!(answer.trim().to_ascii_lowercase().as_str(), "y" | "yes")))
     }
 
-    /// Lets time pass with the machine at rest.
+    /// Lets time pass with the machine at rest. False when the user has stopped it.
     ///
     /// # Errors
     /// The board fails.
-    fn idle(&mut self, wait: Duration) -> Result<(), Failure> {
+    fn idle(&mut self, wait: Duration) -> Result<bool, Failure> {
+        self.talk.on_interrupt(OnInterrupt::Heed);
         match self.talk.next(wait) {
             Some(Event::Trouble(trouble)) => Err(machine_failure(trouble)),
             Some(Event::Restarted) => Err(machine_failure(Trouble::Restarted)),
-            Some(_) | None => Ok(()),
+            Some(_) | None => Ok(!self.talk.interrupted()),
         }
     }
 }

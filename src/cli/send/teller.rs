@@ -25,6 +25,8 @@ pub(super) struct Teller {
     /// The sheet on its way and how many there are, from 1.
     sheet: (usize, usize),
     status: Option<Status>,
+    /// Feed override last reported, %.
+    feed_percent: u16,
     progress: Progress,
     outlook: Option<Outlook>,
     ending: Option<Ending>,
@@ -44,7 +46,7 @@ impl Teller {
     pub(super) fn new(as_json: bool, max_s: f64) -> Teller {
         let bar = ProgressBar::new(BAR_STEPS as u64);
         // A literal template: it cannot fail to parse.
-        if let Ok(style) = ProgressStyle::with_template("{prefix} {bar:30} {percent:>3} %  {msg}") {
+        if let Ok(style) = ProgressStyle::with_template("{prefix} {bar:16} {percent:>3} %  {msg}") {
             bar.set_style(style);
         }
         let form = match as_json {
@@ -53,7 +55,17 @@ impl Teller {
             false => Form::Bar(bar),
         };
         let (began, progress) = (Instant::now(), Progress::default());
-        Teller { form, began, max_s, sheet: (0, 0), status: None, progress, outlook: None, ending: None }
+        Teller {
+            form,
+            began,
+            max_s,
+            sheet: (0, 0),
+            status: None,
+            feed_percent: 100,
+            progress,
+            outlook: None,
+            ending: None,
+        }
     }
 
     /// Since it all began.
@@ -106,8 +118,9 @@ impl Teller {
         match &mut self.form {
             Form::Json => return self.event("sheet", json!({ "file": file, "lines": lines, "time_s": time_s })),
             Form::Bar(bar) => {
+                bar.set_prefix(format!("sheet {number}/{of}"));
+                bar.set_message("");
                 bar.reset();
-                bar.set_prefix(if of > 1 { format!("sheet {number} of {of}") } else { "cutting".to_owned() });
             }
             Form::Log(told) => *told = None,
         }
@@ -117,7 +130,10 @@ impl Teller {
     /// A report.
     pub(super) fn reports(&mut self, status: &Status, progress: Progress, outlook: Outlook) -> Result<(), Failure> {
         (self.status, self.progress, self.outlook) = (Some(status.clone()), progress, Some(outlook));
-        let line = describe(status, outlook);
+        if let Some([feed_percent, ..]) = status.overrides {
+            self.feed_percent = feed_percent;
+        }
+        let line = describe(status, self.feed_percent, outlook);
         match &mut self.form {
             Form::Json => self.event("status", json!({})),
             Form::Bar(bar) => {
@@ -169,12 +185,12 @@ impl Teller {
         let place = |axis: usize| Some(status?.work_mm?[axis]);
         let Progress { sent, acked, executed } = self.progress;
         let mut object = json!({
-            "t_s": (self.now().as_secs_f64() * 1e3).round() / 1e3, "event": event,
+            "t_s": thousandths(self.now().as_secs_f64()), "event": event,
             "sheet": self.sheet.0, "sheets": self.sheet.1,
             "line": sent, "acked": acked, "executed": executed,
             "state": status.map(|s| s.state.word()), "x_mm": place(0), "y_mm": place(1),
-            "feed_mm_per_min": status.map(|s| s.feed_mm_per_min), "power": status.map(|s| s.power_s / self.max_s),
-            "progress": self.outlook.map(|o| o.done), "eta_s": self.outlook.map(|o| o.left_s),
+            "feed_mm_per_min": status.map(|s| s.feed_mm_per_min), "power": status.map(|s| thousandths(s.power_s / self.max_s)),
+            "progress": self.outlook.map(|o| thousandths(o.done)), "eta_s": self.outlook.map(|o| thousandths(o.left_s)),
         });
         if let (Value::Object(object), Value::Object(more)) = (&mut object, more) {
             object.extend(more);
@@ -183,8 +199,13 @@ impl Teller {
     }
 }
 
+/// More digits are noise.
+fn thousandths(value: f64) -> f64 {
+    (value * 1e3).round() / 1e3
+}
+
 /// The word scripts read.
-pub(super) fn word(outcome: &Outcome) -> &'static str {
+fn word(outcome: &Outcome) -> &'static str {
     match outcome {
         Outcome::Done => "done",
         Outcome::Stopped => "stopped",
@@ -202,12 +223,15 @@ fn ended(outcome: &str, message: &str, ending: Option<&Ending>) -> Value {
     object
 }
 
-/// "12 min 05 s left  run  X12.3 Y4.5  F1200  feed at 110 %".
-fn describe(status: &Status, outlook: Outlook) -> String {
+/// "12 min 05 s left  run  X12.3 Y4.5  F1320 (110 %)": no longer than what a terminal of 80 columns has room for beside the bar.
+fn describe(status: &Status, feed_percent: u16, outlook: Outlook) -> String {
     let mut line = format!("{} left  {}", minutes(outlook.left_s), status.state.word());
     if let Some([x, y, _]) = status.work_mm {
         line += &format!("  X{x:.1} Y{y:.1}");
     }
     line += &format!("  F{:.0}", status.feed_mm_per_min);
+    if feed_percent != 100 {
+        line += &format!(" ({feed_percent} %)");
+    }
     line
 }
