@@ -90,6 +90,10 @@ fn every_model_is_made_and_its_report_adds_up() {
             assert!(sheet["travel_mm"].as_f64().unwrap() <= sheet["travel_unordered_mm"].as_f64().unwrap());
             let program = fs::read_to_string(folder.path().join("out").join(sheet["file"].as_str().unwrap())).unwrap();
             assert_eq!(program.lines().count() as u64, sheet["lines"].as_u64().unwrap());
+            let label = furbelow::job::Label::read(program.as_bytes()).unwrap();
+            assert_eq!([&label.machine, &label.material].map(Option::as_deref), [Some("diode-400"), Some("paper-160")]);
+            assert_eq!((label.sheet.expect("a sheet").of, label.grain.as_deref()), (sheets.len(), Some("along X")));
+            assert!(label.uncalibrated.is_some(), "{name}: nobody measured paper here");
         }
     }
 }
