@@ -131,7 +131,7 @@ impl SheetLabel {
 }
 
 impl std::fmt::Display for SheetLabel {
-    /// As [`SheetLabel::parse`] reads it.
+    /// "1/2 A4 297 x 210 mm", as it stands in the head of a program.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let SheetLabel { number, of, stock, width_mm, height_mm } = self;
         write!(f, "{number}/{of} {stock} {width_mm:.0} x {height_mm:.0} mm")
