@@ -1,106 +1,241 @@
-//! Changing a design file's text without losing its comments.
+//! What a user changed after the first look, one entry for each command: the list is the history, and undoing takes the last one away.
 
-use super::{Design, Error};
-use toml_edit::{DocumentMut, Item, TableLike};
+use super::{Direction, PlaneSource};
+use crate::geom::V3;
+use serde::{Deserialize, Serialize};
+use std::fmt;
 
-impl Design {
-    /// The text of a design file with the values of this design in it. Only what differs from what the text says is written: comments, order and the way values are
-    /// put stay as they stand.
-    pub fn written_over(&self, file: &str, text: &str) -> Result<String, Error> {
-        let said = document(&Design::parse(file, text)?.to_toml());
-        // Both through the same writer, so that only true differences show.
-        let wanted = document(&self.to_toml());
-        let mut document = document(text);
-        merge(document.as_table_mut(), said.as_table(), wanted.as_table());
-        Ok(document.to_string())
-    }
+/// Most levels of one densification: a loop is divided by three, so four levels make 81 of it.
+pub const MAX_LEVELS: usize = 4;
+
+/// One change. Sections and joints have the numbers that the picture shows before it; those of earlier edits are as they were then.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Edit {
+    /// More strip, and stiffer.
+    Densify {
+        /// The part.
+        part: String,
+        /// Its sections.
+        sections: Vec<usize>,
+        /// How often: from the second time on, the loops that the time before made.
+        #[serde(default = "once", skip_serializing_if = "is_once")]
+        levels: usize,
+        /// What the numbers refer to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        on: Option<Base>,
+    },
+    /// Less again.
+    Undensify {
+        /// The part.
+        part: String,
+        /// Its sections; each is taken back with those that were made together with it.
+        sections: Vec<usize>,
+        /// What the numbers refer to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        on: Option<Base>,
+    },
+    /// Sections of a length given by hand, which filling leaves alone.
+    Length {
+        /// The part.
+        part: String,
+        /// Its sections.
+        sections: Vec<usize>,
+        /// Length of each, mm.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        length_mm: Option<f64>,
+        /// Or the same as it is drawn with, times this.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        factor: Option<f64>,
+        /// What the numbers refer to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        on: Option<Base>,
+    },
+    /// A joint in another place.
+    MovePoint {
+        /// The part.
+        part: String,
+        /// Its joint, as numbered.
+        joint: u32,
+        /// Where it goes: u and v in the picture, mm.
+        to_mm: [f64; 2],
+        /// What the number refers to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        on: Option<Base>,
+    },
+    /// Another number of layers. Sections are numbered from the bottom, so edits of lower layers stay what they are.
+    Layers {
+        /// The part.
+        part: String,
+        /// How many.
+        layers: usize,
+    },
+    /// Another cut.
+    Plane {
+        /// The part.
+        part: String,
+        /// A point on the plane, mesh frame, mm.
+        origin_mm: [f64; 3],
+        /// Its normal, of any length.
+        normal: [f64; 3],
+    },
 }
 
-/// A text that was parsed or written as TOML before.
-fn document(text: &str) -> DocumentMut {
-    text.parse().expect("a design that was read or written is TOML")
+/// The clean stack that numbers were read from, written down with the first edit that names sections: a program that chooses better another day must not
+/// give them another meaning.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Base {
+    /// Its layers.
+    pub layers: usize,
+    /// Which way they lie.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stack: Option<Direction>,
 }
 
-/// Carries the differences between `said` and `wanted` over to `into`, which says the same as `said` in words of its own.
-fn merge(into: &mut dyn TableLike, said: &dyn TableLike, wanted: &dyn TableLike) {
-    let gone: Vec<String> = said.iter().map(|(k, _)| k.to_owned()).filter(|k| wanted.get(k).is_none()).collect();
-    for key in gone {
-        into.remove(&key);
-    }
-    for (key, new) in wanted.iter() {
-        let Some(old) = said.get(key) else {
-            into.insert(key, new.clone());
-            continue;
-        };
-        if old.to_string() == new.to_string() {
-            continue;
+fn once() -> usize {
+    1
+}
+
+fn is_once(levels: &usize) -> bool {
+    *levels == once()
+}
+
+impl Edit {
+    /// Name of the part it changes.
+    pub fn part(&self) -> &str {
+        match self {
+            Edit::Densify { part, .. }
+            | Edit::Undensify { part, .. }
+            | Edit::Length { part, .. }
+            | Edit::MovePoint { part, .. }
+            | Edit::Layers { part, .. }
+            | Edit::Plane { part, .. } => part,
         }
-        match (into.get_mut(key), old, new) {
-            (Some(Item::ArrayOfTables(own)), Item::ArrayOfTables(old), Item::ArrayOfTables(new))
-                if own.len() == new.len() =>
+    }
+
+    /// The stack its numbers refer to, where it says so.
+    pub fn on(&self) -> Option<Base> {
+        match self {
+            Edit::Densify { on, .. }
+            | Edit::Undensify { on, .. }
+            | Edit::Length { on, .. }
+            | Edit::MovePoint { on, .. } => *on,
+            Edit::Layers { .. } | Edit::Plane { .. } => None,
+        }
+    }
+
+    /// Says which stack its numbers refer to.
+    pub fn set_on(&mut self, base: Base) {
+        match self {
+            Edit::Densify { on, .. }
+            | Edit::Undensify { on, .. }
+            | Edit::Length { on, .. }
+            | Edit::MovePoint { on, .. } => *on = Some(base),
+            Edit::Layers { .. } | Edit::Plane { .. } => {}
+        }
+    }
+
+    /// True for what changes the drawn strip; false for what decides how it is drawn to begin with.
+    pub fn changes_strip(&self) -> bool {
+        !matches!(self, Edit::Layers { .. } | Edit::Plane { .. })
+    }
+
+    /// What makes no sense about it, whatever the part.
+    pub(super) fn problem(&self) -> Option<&'static str> {
+        if self.on().is_some_and(|on| on.layers == 0) {
+            return Some("on: layers must be at least 1");
+        }
+        match self {
+            Edit::Densify { sections, .. } | Edit::Undensify { sections, .. } | Edit::Length { sections, .. }
+                if sections.is_empty() =>
             {
-                for ((own, old), new) in own.iter_mut().zip(old).zip(new) {
-                    merge(own, old, new);
+                Some("names no sections; give at least one, such as sections = [3]")
+            }
+            Edit::Densify { levels, .. } if !(1..=MAX_LEVELS).contains(levels) => Some("levels must be 1 to 4"),
+            Edit::Length { length_mm, factor, .. } => {
+                let good = |value: f64| value > 0.0 && value.is_finite();
+                match (length_mm, factor) {
+                    (Some(value), None) | (None, Some(value)) if good(*value) => None,
+                    (Some(_), None) | (None, Some(_)) => Some("needs a length above 0"),
+                    _ => Some("needs either length_mm or factor"),
                 }
             }
-            (Some(own), old, new) => match (own.as_table_like_mut(), old.as_table_like(), new.as_table_like()) {
-                (Some(own), Some(old), Some(new)) => merge(own, old, new),
-                _ => replace(own, new),
-            },
-            (None, _, new) => {
-                into.insert(key, new.clone());
+            Edit::MovePoint { to_mm, .. } if !to_mm.iter().all(|v| v.is_finite()) => {
+                Some("needs finite numbers in to_mm")
+            }
+            Edit::Layers { layers: 0, .. } => Some("layers must be at least 1"),
+            Edit::Plane { origin_mm, normal, .. } => plane_problem(origin_mm, normal),
+            _ => None,
+        }
+    }
+}
+
+/// What makes no sense about a plane.
+pub(super) fn plane_problem(origin_mm: &[f64; 3], normal: &[f64; 3]) -> Option<&'static str> {
+    let finite = origin_mm.iter().chain(normal).all(|v| v.is_finite());
+    // Shorter, and its direction is rounding.
+    let least = 1e-9;
+    (!finite || V3::from(*normal).norm() < least).then_some("needs finite numbers and a normal that is not zero")
+}
+
+/// As people name it: "densify A 1 3".
+impl fmt::Display for Edit {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let list = |sections: &[usize]| sections.iter().map(|s| format!(" {s}")).collect::<String>();
+        match self {
+            Edit::Densify { part, sections, levels, .. } => {
+                write!(f, "densify {part}{}", list(sections))?;
+                if is_once(levels) { Ok(()) } else { write!(f, ", {levels} levels") }
+            }
+            Edit::Undensify { part, sections, .. } => write!(f, "undensify {part}{}", list(sections)),
+            Edit::Length { part, sections, length_mm: Some(mm), .. } => {
+                write!(f, "length {part}{}: {mm} mm", list(sections))
+            }
+            Edit::Length { part, sections, factor, .. } => {
+                write!(f, "length {part}{}: times {}", list(sections), factor.unwrap_or(1.0))
+            }
+            Edit::MovePoint { part, joint, to_mm: [u, v], .. } => {
+                write!(f, "move-point {part} {joint} to {u}, {v} mm")
+            }
+            Edit::Layers { part, layers } => write!(f, "layers {part} {layers}"),
+            Edit::Plane { part, origin_mm: [x, y, z], normal: [a, b, c] } => {
+                write!(f, "plane {part} through {x}, {y}, {z} mm, normal {a}, {b}, {c}")
             }
         }
     }
 }
 
-/// Puts a value in place of another, comments round it kept.
-fn replace(own: &mut Item, new: &Item) {
-    match (own, new) {
-        (Item::Value(own), Item::Value(new)) => {
-            let decor = own.decor().clone();
-            *own = new.clone();
-            *own.decor_mut() = decor;
+impl super::Design {
+    /// The edits of a part that change its strip, with their numbers in the list, from 1.
+    pub fn strip_edits<'a>(&'a self, part: &'a str) -> impl Iterator<Item = (usize, &'a Edit)> {
+        let numbered = self.edits.iter().enumerate().map(|(i, edit)| (i + 1, edit));
+        numbered.filter(move |(_, edit)| edit.part() == part && edit.changes_strip())
+    }
+
+    /// A part with what edits decide about how it is cut and drawn: the last word on its plane, its layers and which way they lie.
+    pub fn decided(&self, part: &super::PartDesign) -> super::PartDesign {
+        let mut decided = part.clone();
+        for edit in self.edits.iter().filter(|edit| edit.part() == part.name) {
+            match edit {
+                Edit::Layers { layers, .. } => decided.layers = Some(*layers),
+                Edit::Plane { origin_mm, normal, .. } => {
+                    decided.plane = Some(PlaneSource { origin_mm: *origin_mm, normal: *normal });
+                }
+                _ => {}
+            }
+            if let Some(on) = edit.on() {
+                decided.layers = Some(on.layers);
+                if let Some(direction) = on.stack {
+                    decided.stack = Some(super::Stack::Toward(direction));
+                }
+            }
         }
-        (own, new) => *own = new.clone(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const TEXT: &str = "schema = 1 # first\nmachine = \"m\"   # ours\nmaterial = \"p\"\n\n[mesh]\nfile = \"a.obj\"\nheight_mm = 100\n\n# the seat\n[[part]]\nname = \"A\"\nfoot = \"auto\"\n";
-
-    #[test]
-    fn only_what_changed_changes_and_comments_stay() {
-        let mut design = Design::parse("d.toml", TEXT).unwrap();
-        assert_eq!(design.written_over("d.toml", TEXT).unwrap(), TEXT);
-        design.mesh.file = "../b.obj".into();
-        design.machine = "k40".into();
-        let expected = TEXT.replace("a.obj", "../b.obj").replace("\"m\"", "\"k40\"");
-        assert_eq!(design.written_over("d.toml", TEXT).unwrap(), expected);
+        decided
     }
 
-    #[test]
-    fn values_keep_the_way_they_are_put() {
-        let text = "schema = 1\nmachine = \"m\"\nmaterial = \"p\"\nstock = [] # any\nmesh = { file = \"a.obj\", height_mm = 100 } # big\n\n[[part]]\nname = \"A\"\nplane = { origin_mm = [0, 0, 0], normal = [0, 0, 1] } # front\n";
-        let mut design = Design::parse("d.toml", text).unwrap();
-        assert_eq!(design.written_over("d.toml", text).unwrap(), text);
-        design.mesh.file = "b.obj".into();
-        design.parts[0].layers = Some(2);
-        let expected = text.replace("a.obj", "b.obj") + "layers = 2\n";
-        assert_eq!(design.written_over("d.toml", text).unwrap(), expected);
-    }
-
-    #[test]
-    fn added_and_dropped_values_read_back() {
-        let mut design = Design::parse("d.toml", TEXT).unwrap();
-        design.mesh.height_mm = None;
-        design.stock = vec!["A3".into()];
-        design.parts[0].layers = Some(3);
-        let text = design.written_over("d.toml", TEXT).unwrap();
-        assert_eq!(Design::parse("d.toml", &text).unwrap(), design);
-        assert!(text.contains("# the seat"));
+    /// Takes the last edit away.
+    pub fn undo(&mut self) -> Option<Edit> {
+        self.edits.pop()
     }
 }

@@ -132,7 +132,12 @@ mod tests {
             node_count: nodes as usize,
             walk: walk.iter().copied().map(Node).collect(),
             rest_lengths: rest_lengths.to_vec(),
-            sections: vec![Section { role: Role::Inner, first_segment: 0, end_segment: rest_lengths.len() }],
+            sections: vec![Section {
+                role: Role::Inner,
+                first_segment: 0,
+                end_segment: rest_lengths.len(),
+                pinned: false,
+            }],
             foot: [Node(0), Node(nodes - 1)],
             densified: Default::default(),
         }

@@ -1,10 +1,12 @@
 //! Fills an outline with a ruffle: draws clean stacks, lets them settle, adjusts section lengths, and keeps what fills best.
 
 mod edits;
+mod given;
 mod report;
 mod rule;
 
 pub use edits::Edits;
+pub use given::rest;
 pub use report::{FootUsed, Report, warnings};
 
 use crate::cut::{Outline, PlaneFrame};
@@ -172,17 +174,8 @@ pub fn fit(
         Foot::Pinned => &[FootUsed::Pinned],
     };
     let total = (starts.len() * feet.len() * (settings.rounds + 1)) as u64;
-    let mut search = Search {
-        target,
-        settings,
-        edits,
-        observer,
-        best: None,
-        done: 0,
-        total,
-        stopped: false,
-        residual_n: f64::INFINITY,
-    };
+    let mut search =
+        Search { target, settings, observer, best: None, done: 0, total, stopped: false, residual_n: f64::INFINITY };
     for foot in feet {
         for start in &starts {
             search.run(start, *foot)?;
@@ -260,8 +253,7 @@ fn starts(target: &Target, settings: &Settings, edits: Option<&Edits>) -> Result
 
 /// One drawing with its edits, on the floor, and its number of layers before them.
 fn start(target: &Target, settings: &StackSettings, edits: Option<&Edits>) -> Result<(Drawn, usize), Error> {
-    // Large shapes are folded in larger segments: as many as a shape of the usual size has.
-    let segment_mm = settings.segment_mm * (target.outline.bounds().height() / FULL_DETAIL_MM).max(1.0);
+    let segment_mm = segment_mm(target.outline, settings);
     let drawn = draw_stack(target.outline, &StackSettings { segment_mm, ..*settings })
         .map_err(|source| Error::Stack { part: target.name.into(), source })?;
     let layers = drawn.ruffle.sections.len() / 4;
@@ -272,6 +264,11 @@ fn start(target: &Target, settings: &StackSettings, edits: Option<&Edits>) -> Re
     let drop = target.outline.bounds().min.y - floor_mm(target.outline);
     drawn.positions.iter_mut().for_each(|p| p.y -= drop);
     Ok((drawn, layers))
+}
+
+/// Length of the segments in which an outline is filled, mm, about. Large shapes are folded in larger ones: as many as a shape of the usual size has.
+pub fn segment_mm(outline: &Outline, settings: &StackSettings) -> f64 {
+    settings.segment_mm * (outline.bounds().height() / FULL_DETAIL_MM).max(1.0)
 }
 
 /// Outlines up to this high, mm, are folded in segments of the length asked for.
@@ -287,7 +284,6 @@ struct Candidate {
 struct Search<'a> {
     target: &'a Target<'a>,
     settings: &'a Settings,
-    edits: Option<&'a Edits<'a>>,
     observer: &'a mut dyn Observer,
     best: Option<Candidate>,
     done: u64,
@@ -328,7 +324,7 @@ impl Search<'_> {
             self.consider(&ruffle, &spans, equilibrium, foot);
             for (section, length) in rule.lengths(&ruffle, &positions).into_iter().enumerate() {
                 let held = foot == FootUsed::Pinned && between_pins(&ruffle, section);
-                if !held && !self.edits.is_some_and(|e| e.pins(section)) {
+                if !held && !ruffle.sections[section].pinned {
                     ruffle.set_section_length(section, length);
                 }
             }
@@ -416,7 +412,7 @@ mod tests {
     use super::*;
     use crate::geom::{P2, P3, V3};
     use crate::progress::Warning;
-    use crate::ruffle::{EditSettings, Limits, densify};
+    use crate::ruffle::{EditSettings, Limits, densify, set_length};
 
     fn frame() -> PlaneFrame {
         PlaneFrame { origin: P3::origin(), u: V3::x(), v: V3::y(), normal: V3::z() }
@@ -494,12 +490,12 @@ mod tests {
             loads_n: &[],
         };
         let edit_settings = EditSettings { segment_mm: 3.0, limits: Limits::default() };
-        let dense = |drawn: &Drawn| densify(drawn, 1, &edit_settings);
-        let edits = Edits { apply: &dense, lengths_mm: &[(0, 66.0)] };
+        let dense = |drawn: &Drawn| set_length(&densify(drawn, &[1], 1, &edit_settings)?, 0, 66.0, &edit_settings);
+        let edits = Edits { apply: &dense };
         let part = fit(&target, &Settings::default(), Some(&edits), &mut Quiet).unwrap();
         assert_eq!(part.ruffle.densified.made.len(), 1);
         assert!((part.ruffle.section_length(0) - 66.0).abs() < 1e-9);
-        let gone = Edits { apply: &|drawn| densify(drawn, 99, &edit_settings), lengths_mm: &[] };
+        let gone = Edits { apply: &|drawn| densify(drawn, &[99], 1, &edit_settings) };
         let error = fit(&target, &Settings::default(), Some(&gone), &mut Quiet).unwrap_err();
         assert!(error.to_string().starts_with("part A: there is no section 99"), "{error}");
     }

@@ -22,6 +22,44 @@ pub enum Error {
         /// Why.
         source: crate::cut::Error,
     },
+    /// An outline that is given cannot be used.
+    #[error("part {part}: its outline cannot be used: {problem}")]
+    Outline {
+        /// The part.
+        part: String,
+        /// What is wrong and what would be right.
+        problem: String,
+    },
+    /// An SVG file that holds no outline.
+    #[error("{file}: {source}")]
+    Drawing {
+        /// The file.
+        file: String,
+        /// Where and why.
+        source: crate::drawing::Error,
+    },
+    /// An edit does not apply, or does not any more.
+    #[error(
+        "{place}edit {number} ({what}) does not apply: {source}. Change it or take it out; `furbelow design undo` takes back the last one"
+    )]
+    Edit {
+        /// "design.toml:12: ", where there is a file.
+        place: String,
+        /// Its number in the list, from 1.
+        number: usize,
+        /// The edit in words.
+        what: String,
+        /// Why.
+        source: crate::ruffle::EditError,
+    },
+    /// A request that names something the part does not have.
+    #[error("part {part}: {problem}")]
+    Request {
+        /// The part.
+        part: String,
+        /// What is wrong and the way out.
+        problem: String,
+    },
     /// The mesh gives no widths.
     #[error("part {part}: {source}")]
     Extrude {
@@ -140,6 +178,7 @@ impl Error {
         match self {
             Error::Config(e) => e.refuses_job(),
             Error::Design(_) | Error::Mesh(_) | Error::UnknownStock { .. } => false,
+            Error::Outline { .. } | Error::Drawing { .. } | Error::Request { .. } => false,
             Error::ForeignDesign { .. } | Error::Parse { .. } | Error::File { .. } => false,
             _ => true,
         }

@@ -1,14 +1,14 @@
 //! What a design means: its mesh, cut and filled.
 
 use super::Error;
+use super::edits::PartEdits;
 use super::order::sha256_of;
 use super::settings::Setup;
-use crate::cut::{cut, default_plane};
-use crate::design::Design;
-use crate::extrude::Extruder;
-use crate::fit::{self, Part, Target};
+use super::shape::{Shape, shape};
+use crate::design::{Design, PartDesign};
+use crate::fit::{self, Edits, Part, Target};
 use crate::geom::tolerance;
-use crate::mesh;
+use crate::mesh::{self, TriMesh};
 use crate::progress::{Observer, Warning};
 use std::path::Path;
 use std::time::Instant;
@@ -26,60 +26,86 @@ pub struct Realised {
     pub solve_ms: f64,
 }
 
-/// Works a design out from its mesh, relative to `folder`. Every start is fixed, so the same design gives the same parts.
+/// Works a design out; files it names lie in `folder`. Every start is fixed, so the same design gives the same parts.
 pub fn realise(design: &Design, folder: &Path, setup: &Setup, observer: &mut dyn Observer) -> Result<Realised, Error> {
-    let path = folder.join(&design.mesh.file);
-    let loaded = mesh::load(&path, &setup.mesh(design))?;
-    let mut warnings = loaded.warnings;
-    if let Some(expected) = &design.mesh.sha256 {
-        let found = sha256_of(&path)?;
-        if found != *expected {
-            let message =
-                format!("{} is not the file the design was made from; what follows may differ", design.mesh.file);
-            warnings.push(Warning::new("mesh-changed", message));
-        }
-    }
-    let material = setup.material();
-    let mut realised = Realised { parts: Vec::new(), warnings, fit_ms: 0.0, solve_ms: 0.0 };
+    let mut realised = Realised { parts: Vec::new(), warnings: Vec::new(), fit_ms: 0.0, solve_ms: 0.0 };
+    let mesh = loaded(design, folder, setup, &mut realised.warnings)?;
     for part in &design.parts {
-        let name = || part.name.clone();
-        let cut_error = |source| Error::Cut { part: name(), source };
-        let plane = match part.plane {
-            Some(plane) => plane.plane(),
-            None => default_plane(&loaded.mesh).map_err(cut_error)?,
-        };
-        let section = cut(&loaded.mesh, &plane, &setup.cut()).map_err(cut_error)?;
-        realised.warnings.extend(section.warnings.into_iter().map(|w| w.in_part(name())));
-        let extruder = Extruder::from_mesh(&loaded.mesh, &section.frame, setup.joint().min_width_mm)
-            .map_err(|source| Error::Extrude { part: name(), source })?;
-        let target = Target {
-            name: &part.name,
-            frame: &section.frame,
-            outline: &section.outline,
-            extruder: &extruder,
-            material: &material,
-            loads_n: &[],
-        };
-        let settings = setup.fit(part.layers, part.foot);
-        let began = Instant::now();
-        let filled = fit::fit(&target, &settings, None, observer)?;
-        realised.fit_ms += began.elapsed().as_secs_f64() * 1e3;
-        let began = Instant::now();
-        let settled = fit::settle(&target, &settings, filled)?;
-        realised.solve_ms += began.elapsed().as_secs_f64() * 1e3;
-        realised.warnings.extend(fit::warnings(&settled, &settings));
+        let part = design.decided(part);
+        let shape = shape(&part, mesh.as_ref(), folder, setup)?;
+        let settled = filled(design, &part, &shape, setup, &mut realised, observer)?;
+        realised.warnings.extend(shape.warnings);
         let least = setup.joint().min_width_mm;
         let at_least = settled.spans.iter().filter(|s| s.width() <= least + tolerance::LIMIT_SLACK_MM).count();
-        if 2 * at_least > settled.spans.len() {
+        if part.width_mm.is_none() && 2 * at_least > settled.spans.len() {
             realised.warnings.push(
                 Warning::new(
                     "depth-widened",
                     format!("most of the shape is thinner than the {least:.0} mm a strip needs for its joints: the strip is made {least:.0} mm wide there"),
                 )
-                .in_part(name()),
+                .in_part(part.name.clone()),
             );
         }
         realised.parts.push(settled);
     }
     Ok(realised)
+}
+
+/// The design's mesh, where it has one.
+fn loaded(
+    design: &Design,
+    folder: &Path,
+    setup: &Setup,
+    warnings: &mut Vec<Warning>,
+) -> Result<Option<TriMesh>, Error> {
+    let Some(source) = &design.mesh else { return Ok(None) };
+    let path = folder.join(&source.file);
+    let loaded = mesh::load(&path, &setup.mesh(source))?;
+    warnings.extend(loaded.warnings);
+    if let Some(expected) = &source.sha256
+        && sha256_of(&path)? != *expected
+    {
+        let message = format!("{} is not the file the design was made from; what follows may differ", source.file);
+        warnings.push(Warning::new("mesh-changed", message));
+    }
+    Ok(Some(loaded.mesh))
+}
+
+/// A part's shape filled with its edited strip, and settled.
+fn filled(
+    design: &Design,
+    part: &PartDesign,
+    shape: &Shape,
+    setup: &Setup,
+    realised: &mut Realised,
+    observer: &mut dyn Observer,
+) -> Result<Part, Error> {
+    let material = setup.material();
+    let target = Target {
+        name: &part.name,
+        frame: &shape.frame,
+        outline: &shape.outline,
+        extruder: &shape.extruder,
+        material: &material,
+        loads_n: &[],
+    };
+    let settings = setup.fit(part);
+    let own = PartEdits::of(design, &part.name, setup.edits(&shape.outline, &settings));
+    let apply = own.as_ref().map(|own| |clean: &_| own.done(clean));
+    let edits = apply.as_ref().map(|apply| Edits { apply });
+    let named = |error| match &own {
+        Some(own) => own.named(error),
+        None => error.into(),
+    };
+    let began = Instant::now();
+    let filled = match &shape.drawn {
+        Some(drawn) => fit::rest(&target, &settings, drawn, edits.as_ref(), observer).map_err(named)?,
+        None => fit::fit(&target, &settings, edits.as_ref(), observer).map_err(named)?,
+    };
+    realised.fit_ms += began.elapsed().as_secs_f64() * 1e3;
+    let began = Instant::now();
+    let settled = fit::settle(&target, &settings, filled)?;
+    realised.solve_ms += began.elapsed().as_secs_f64() * 1e3;
+    realised.warnings.extend(fit::warnings(&settled, &settings));
+    Ok(settled)
 }

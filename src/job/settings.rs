@@ -2,9 +2,11 @@
 
 use super::Error;
 use crate::config::{self, Air, AirCode, Corner, Grain, Library, Machine, Pairing, Profile, ToolClass};
-use crate::design::{Design, Foot, Up};
+use crate::cut::Outline;
+use crate::design::{Design, Foot, MeshSource, PartDesign, Up};
 use crate::geom::{P2, Rect};
 use crate::progress::Warning;
+use crate::ruffle::{EditSettings, Limits};
 use crate::{cut, fit, gcode, mesh, nest, sim, stream, strip, toolpath};
 
 /// Sheets thinner than this, mm, lift and blow away when nothing holds them.
@@ -93,14 +95,14 @@ impl Setup {
     }
 
     /// How the mesh is loaded.
-    pub fn mesh(&self, design: &Design) -> mesh::Settings {
+    pub fn mesh(&self, source: &MeshSource) -> mesh::Settings {
         let [width, height] = self.machine.reach_mm();
-        let up = design.mesh.up.map(|up| match up {
+        let up = source.up.map(|up| match up {
             Up::X => mesh::Up::X,
             Up::Y => mesh::Up::Y,
             Up::Z => mesh::Up::Z,
         });
-        mesh::Settings { up, height_mm: design.mesh.height_mm, bed_mm: width.max(height), ..mesh::Settings::default() }
+        mesh::Settings { up, height_mm: source.height_mm, bed_mm: width.max(height), ..mesh::Settings::default() }
     }
 
     /// How it is cut.
@@ -109,9 +111,9 @@ impl Setup {
     }
 
     /// How an outline is filled.
-    pub fn fit(&self, layers: Option<usize>, foot: Foot) -> fit::Settings {
+    pub fn fit(&self, part: &PartDesign) -> fit::Settings {
         let mut settings = fit::Settings {
-            foot: match foot {
+            foot: match part.foot {
                 Foot::Auto => fit::Foot::Auto,
                 Foot::Free => fit::Foot::Free,
                 Foot::Pinned => fit::Foot::Pinned,
@@ -120,12 +122,18 @@ impl Setup {
             min_void_mm: self.profile.min_void_mm,
             ..fit::Settings::default()
         };
-        settings.stack.layers = layers;
+        settings.stack.layers = part.layers;
         // A loop of height h bends to about h / 3 where it is tightest, and its diagonal leaves voids of about h / 2.
         let makeable = (3.0 * self.profile.min_bend_radius_mm).max(2.0 * self.profile.min_void_mm);
         settings.stack.min_layer_mm = settings.stack.min_layer_mm.max(makeable);
         settings.stack.max_layer_mm = settings.stack.max_layer_mm.max(makeable);
         settings
+    }
+
+    /// How strips are edited by hand, in a shape that is filled by `settings`.
+    pub fn edits(&self, outline: &Outline, settings: &fit::Settings) -> EditSettings {
+        let limits = Limits { min_bend_radius_mm: settings.min_bend_radius_mm, min_void_mm: settings.min_void_mm };
+        EditSettings { segment_mm: fit::segment_mm(outline, &settings.stack), limits }
     }
 
     /// The joint for this tool.

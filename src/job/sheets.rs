@@ -115,7 +115,7 @@ fn header(
     let bounds = toolpath.bounds();
     let cut = &setup.pairing.cut;
     let mut entries = vec![
-        ("job", order.name()),
+        ("job", order.name.clone()),
         ("design", order.hash()),
         ("sheet", format!("{number}/{count} {stock} {:.0} x {:.0} mm", toolpath.width_mm, toolpath.height_mm)),
         ("machine", setup.machine.name.clone()),

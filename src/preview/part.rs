@@ -165,7 +165,7 @@ mod tests {
         let p = |(x, y)| P2::new(x, y);
         let corners = [(0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)].map(p).to_vec();
         let positions = [(2.0, 2.0), (58.0, 2.0), (58.0, 30.0), (2.0, 30.0)].map(p).to_vec();
-        let section = |role, k| Section { role, first_segment: k, end_segment: k + 1 };
+        let section = |role, k| Section { role, first_segment: k, end_segment: k + 1, pinned: false };
         let ruffle = Ruffle {
             node_count: 4,
             walk: [0, 1, 2, 3, 0].map(Node).to_vec(),

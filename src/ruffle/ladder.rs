@@ -138,7 +138,7 @@ impl Weaver {
         self.walk.push(end);
         let first_segment = self.rest_lengths.len();
         self.rest_lengths.extend(std::iter::repeat_n(length / n as f64, n));
-        self.sections.push(Section { role, first_segment, end_segment: self.rest_lengths.len() });
+        self.sections.push(Section { role, first_segment, end_segment: self.rest_lengths.len(), pinned: false });
         end
     }
 }

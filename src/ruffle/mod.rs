@@ -18,8 +18,8 @@ pub use check::Flaw;
 pub use coarser::Coarser;
 pub use densified::{Densification, Densified};
 pub use edit::{
-    EditError, EditSettings, Limits, densify, insert_layer, layer_count, merge_segments, remove_layer, set_length,
-    split_segments, undensify,
+    EditError, EditSettings, Limits, densify, insert_layer, layer_count, loops, merge_segments, move_joint,
+    remove_layer, set_length, split_segments, undensify,
 };
 pub use ladder::uniform_stack;
 pub use load_test::{Strip, load_test};
@@ -60,6 +60,8 @@ pub struct Section {
     pub first_segment: usize,
     /// One past the last segment.
     pub end_segment: usize,
+    /// Its length was given by hand: filling leaves it alone.
+    pub pinned: bool,
 }
 
 impl Section {

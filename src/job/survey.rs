@@ -1,0 +1,165 @@
+//! What a design amounts to before anything is cut: its parts, and their sections as people name them when they change something.
+
+use super::pictures;
+use super::settings::Setup;
+use super::{Error, Order, Realised, realise};
+use crate::config::Library;
+use crate::design::{Design, PlaneSource};
+use crate::fit::{FootUsed, Part};
+use crate::geom::P2;
+use crate::preview::Canvas;
+use crate::progress::{Observer, Warning};
+use crate::ruffle::{Drawn, Role, layer_count, loops};
+use serde::Serialize;
+
+/// A design and what became of it.
+#[derive(Debug, Clone, Serialize)]
+pub struct Survey {
+    /// Version of this format.
+    pub schema: u32,
+    /// Machine it is for.
+    pub machine: String,
+    /// Material it is cut from.
+    pub material: String,
+    /// Its parts.
+    pub parts: Vec<PartSurvey>,
+    /// Its edits in words, in order.
+    pub edits: Vec<String>,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// One part.
+#[derive(Debug, Clone, Serialize)]
+pub struct PartSurvey {
+    /// Name.
+    pub name: String,
+    /// Where its plane lies in the mesh frame.
+    pub plane: PlaneSource,
+    /// Layers of its stack, however densified.
+    pub layers: Option<usize>,
+    /// How it stands.
+    pub foot: FootUsed,
+    /// Outline area enclosed over outline area.
+    pub filled_fraction: f64,
+    /// Strip without end tabs, mm.
+    pub strip_length_mm: f64,
+    /// Its mass, g.
+    pub strip_mass_g: f64,
+    /// Number of connection points.
+    pub joints: usize,
+    /// In strip order; a section's index is its number.
+    pub sections: Vec<SectionSurvey>,
+    /// The picture of it.
+    #[serde(skip)]
+    pub picture: Canvas,
+    /// Where its sections lie, one list of points each, plane frame, mm.
+    #[serde(skip)]
+    pub(super) paths: Vec<Vec<P2>>,
+}
+
+/// One section.
+#[derive(Debug, Clone, Serialize)]
+pub struct SectionSurvey {
+    /// Its number in the picture and in edits.
+    pub number: usize,
+    /// What it does for the shape.
+    pub role: Role,
+    /// Whether it is a loop that closes a room: densifying divides that room. Others are folded.
+    pub closes_room: bool,
+    /// Rest length, mm.
+    pub length_mm: f64,
+    /// Joints at its ends, such as "A3"; none where the strip begins or passes only once.
+    pub joints: [Option<String>; 2],
+    /// How often it was densified.
+    pub level: usize,
+    /// Whether its length was given by hand.
+    pub pinned: bool,
+}
+
+/// Works a design out and tells what it is; with `only`, that part alone.
+pub fn survey(
+    order: &Order,
+    only: Option<&str>,
+    library: &Library,
+    observer: &mut dyn Observer,
+) -> Result<Survey, Error> {
+    let design = match only {
+        Some(name) => alone(&order.design, name)?,
+        None => order.design.clone(),
+    };
+    let setup = Setup::new(&design, library)?;
+    let realised = realise(&design, &order.folder, &setup, observer).map_err(|e| order.placed(e))?;
+    Ok(surveyed(&design, &setup, &realised))
+}
+
+/// A design with one part only. Edits of the others stay in the list, so that all keep their numbers.
+fn alone(design: &Design, name: &str) -> Result<Design, Error> {
+    let mut design = design.clone();
+    let names: Vec<String> = design.parts.iter().map(|p| p.name.clone()).collect();
+    design.parts.retain(|part| part.name == name);
+    if design.parts.is_empty() {
+        let problem = format!("there is no such part; parts are {}", names.join(", "));
+        return Err(Error::Request { part: name.to_owned(), problem });
+    }
+    Ok(design)
+}
+
+fn surveyed(design: &Design, setup: &Setup, realised: &Realised) -> Survey {
+    Survey {
+        schema: 1,
+        machine: setup.machine.name.clone(),
+        material: setup.profile.name.clone(),
+        parts: realised.parts.iter().map(part).collect(),
+        edits: design.edits.iter().map(ToString::to_string).collect(),
+        warnings: realised.warnings.clone(),
+    }
+}
+
+fn part(part: &Part) -> PartSurvey {
+    let (ruffle, frame, report) = (&part.ruffle, &part.frame, &part.report);
+    let drawn = Drawn { ruffle: ruffle.clone(), positions: part.equilibrium.positions.clone() };
+    let points = ruffle.connection_points();
+    let joint = |node| points.iter().find(|c| c.node == node).map(|c| format!("{}{}", part.name, c.joint));
+    // A settled part's ruffle is in order.
+    let rooms = loops(&drawn).unwrap_or_default();
+    let section = |(number, section): (usize, &crate::ruffle::Section)| {
+        let (start, end) = ruffle.section_ends(number);
+        SectionSurvey {
+            number,
+            role: section.role,
+            closes_room: rooms.contains(&number),
+            length_mm: ruffle.section_length(number),
+            joints: [joint(start), joint(end)],
+            level: ruffle.densified.level(number),
+            pinned: section.pinned,
+        }
+    };
+    let path = |s: &crate::ruffle::Section| {
+        let nodes = &ruffle.walk[s.first_segment..=s.end_segment];
+        nodes.iter().map(|n| drawn.positions[n.index()]).collect()
+    };
+    PartSurvey {
+        name: part.name.clone(),
+        plane: PlaneSource {
+            origin_mm: [frame.origin.x, frame.origin.y, frame.origin.z],
+            normal: [frame.normal.x, frame.normal.y, frame.normal.z],
+        },
+        layers: layer_count(&drawn).ok(),
+        foot: report.foot,
+        filled_fraction: 1.0 - report.uncovered_fraction,
+        strip_length_mm: report.strip_length_mm,
+        strip_mass_g: report.strip_mass_g,
+        joints: points.len(),
+        sections: ruffle.sections.iter().enumerate().map(section).collect(),
+        picture: pictures::part(part),
+        paths: ruffle.sections.iter().map(path).collect(),
+    }
+}
+
+impl Survey {
+    /// A part by its name.
+    pub fn part(&self, name: &str) -> Option<&PartSurvey> {
+        self.parts.iter().find(|part| part.name == name)
+    }
+}
