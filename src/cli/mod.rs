@@ -6,13 +6,16 @@
 mod check;
 mod completions;
 mod connection;
+mod design;
 mod files;
 mod machine;
 mod make;
+mod order;
 mod output;
 mod ports;
 mod preview;
 mod profile;
+mod screen;
 mod send;
 
 use std::error::Error;
@@ -34,6 +37,9 @@ pub struct Cli {
 pub enum Command {
     /// Turn a shape into sheets of pieces: drawings, G-code and pictures
     Make(make::Args),
+    /// Design files: make one, look at its parts, change how dense they are
+    #[command(subcommand)]
+    Design(design::Command),
     /// Check G-code, of this or another program, against a machine: reach, power, feeds, time
     Check(check::Args),
     /// Look at what a machine will do with a G-code file: a page that plays it, or a picture
@@ -57,6 +63,7 @@ impl Command {
     pub fn run(self) -> Result<(), Failure> {
         match self {
             Command::Make(args) => make::run(args),
+            Command::Design(command) => design::run(command),
             Command::Check(args) => check::run(&args),
             Command::Preview(args) => preview::run(args),
             Command::Send(args) => send::run(&args),
@@ -127,6 +134,12 @@ impl From<crate::config::Error> for Failure {
     fn from(error: crate::config::Error) -> Failure {
         let exit = if error.refuses_job() { Exit::Refused } else { Exit::Config };
         Failure { exit, source: error.into() }
+    }
+}
+
+impl From<crate::design::Error> for Failure {
+    fn from(error: crate::design::Error) -> Failure {
+        Failure::config(error)
     }
 }
 

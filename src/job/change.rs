@@ -49,11 +49,13 @@ pub enum Request {
 pub struct Changed {
     /// The edit, in words.
     pub edit: String,
+    /// Its number in the list, from 1.
+    pub number: usize,
     /// The part before.
     pub before: PartSurvey,
     /// The part now.
     pub after: PartSurvey,
-    /// Codes of warnings the part has now: what the user should know.
+    /// What the user should know about the part now.
     pub warnings: Vec<crate::progress::Warning>,
     /// The design file's new text.
     pub text: String,
@@ -86,7 +88,8 @@ pub fn change(
     edited.source = Some(Source { file: source.file.clone(), text: text.clone() });
     let survey = survey(&edited, Some(part), library, observer)?;
     let warnings = survey.warnings;
-    Ok(Changed { edit: edit.to_string(), before, after: only(survey.parts), warnings, text })
+    let number = design.edits.len();
+    Ok(Changed { edit: edit.to_string(), number, before, after: only(survey.parts), warnings, text })
 }
 
 /// The only part of a survey of one.

@@ -25,6 +25,7 @@ mod stock;
 mod strips;
 mod survey;
 
+pub use crate::ruffle::Role as SectionRole;
 pub use change::{Changed, Places, Request, change};
 pub use dry_run::{Form, Look, Looked, look};
 pub use error::Error;

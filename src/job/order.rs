@@ -97,11 +97,12 @@ impl Order {
         Ok(Order { design: overridden(design, overrides)?, source, folder, name, force: false })
     }
 
-    /// A design that comes with the program; `None` for any other name.
-    pub fn built_in(name: &str, overrides: &Overrides) -> Option<Result<Order, Error>> {
-        let text = design::built_in(name)?;
-        let order = Order::from_text(name, text.to_owned(), Path::new("."), overrides);
-        Some(order.map(|order| Order { name: name.to_owned(), ..order }))
+    /// A design that comes with the program ([`design::built_in`]); any other name is a file that is not there.
+    pub fn built_in(name: &str, overrides: &Overrides) -> Result<Order, Error> {
+        let missing = || Error::file(name)(std::io::ErrorKind::NotFound.into());
+        let text = design::built_in(name).ok_or_else(missing)?;
+        let order = Order::from_text(name, text.to_owned(), Path::new("."), overrides)?;
+        Ok(Order { name: name.to_owned(), ..order })
     }
 
     /// The design file's text for `out_dir`: re-runnable from there, comments kept.
