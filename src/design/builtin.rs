@@ -45,7 +45,7 @@ sections = [1, 3, 5, 7]
 [[edit]]
 do = "length"
 part = "A"
-sections = [0]
+sections = [0, 1, 7, 8, 14, 15, 21, 22]
 factor = 0.87
 "#;
 

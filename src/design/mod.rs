@@ -9,9 +9,10 @@ mod edit;
 mod shape;
 mod text;
 
+pub use crate::ruffle::Direction;
 pub use builtin::built_in;
 pub use edit::{Base, Edit, MAX_LEVELS};
-pub use shape::{Direction, GivenStack, Method, OutlineSource, Stack};
+pub use shape::{GivenStack, Method, OutlineSource, Stack};
 pub use text::edit_line;
 
 use crate::cut::Plane;

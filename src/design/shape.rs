@@ -1,21 +1,10 @@
 //! Where a part's shape comes from and how it is filled, as a design file says it.
 
+use crate::ruffle::Direction;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
-
-/// Which way layers are stacked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Direction {
-    /// Layers lie on one another.
-    Vertical,
-    /// Layers stand side by side.
-    Horizontal,
-    /// Layers follow the outline's medial line.
-    AlongCurve,
-}
 
 /// `stack = "vertical"`, or `stack = { layers = 2, inner_mm = 52.8, outer_mm = 47.12 }`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -10,8 +10,9 @@ impl Design {
         let mut document = document(&body);
         // Small tables read best in one line.
         for entries in document.iter_mut().filter_map(|(_, item)| item.as_array_of_tables_mut()) {
-            for (_, item) in entries.iter_mut().flat_map(Table::iter_mut) {
+            for (mut key, item) in entries.iter_mut().flat_map(Table::iter_mut) {
                 if let Item::Table(table) = item {
+                    key.leaf_decor_mut().clear();
                     *item = Item::Value(Value::InlineTable(std::mem::take(table).into_inline_table()));
                 }
             }

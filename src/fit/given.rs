@@ -1,47 +1,48 @@
 //! A strip whose lengths are given: it is not filled into anything, it only settles.
 
-use super::{Edits, Error, Foot, FootUsed, MAX_STRAIN, Part, Settings, Target, part, solver};
+use super::report::Origin;
+use super::{Error, Foot, FootUsed, MAX_STRAIN, Part, Settings, Spent, Target, agreed, part, solver};
+use crate::cut::Outline;
+use crate::geom::{P2, enclosed, signed_area};
 use crate::progress::Observer;
-use crate::ruffle::Drawn;
+use crate::ruffle::{Direction, Drawn, Ruffle};
 use crate::sim::Outcome;
 
-/// Lets a drawing settle with the lengths it has, after the edits. With [`Foot::Auto`] it stands free if it does not tip over then.
+/// What a drawing goes round. Little stacks may pinch it: the largest piece.
+pub fn own_outline(ruffle: &Ruffle, positions: &[P2]) -> Outline {
+    let segments: Vec<(P2, P2)> = ruffle.segments().map(|(i, j)| (positions[i], positions[j])).collect();
+    let largest = enclosed(&segments).loops.into_iter().max_by(|a, b| signed_area(a).total_cmp(&signed_area(b)));
+    Outline { outer: largest.unwrap_or_default(), holes: Vec::new() }
+}
+
+/// Lets a drawing settle with the lengths it has, above the lowest point of the target's outline. What it goes round then is the part's outline. With
+/// [`Foot::Auto`] it stands free if it does not tip over.
 ///
 /// # Errors
-/// An edit that does not apply; a strip that does not come to rest.
-pub fn rest(
-    target: &Target,
-    settings: &Settings,
-    drawn: &Drawn,
-    edits: Option<&Edits>,
-    observer: &mut dyn Observer,
-) -> Result<Part, Error> {
-    let name = || target.name.to_owned();
-    let edited = match edits {
-        Some(edits) => edits.edited(drawn).map_err(|source| Error::Edit { part: name(), source })?,
-        None => drawn.clone(),
-    };
+/// A strip that does not come to rest.
+pub fn rest(target: &Target, settings: &Settings, drawn: &Drawn, observer: &mut dyn Observer) -> Result<Part, Error> {
     let feet: &[FootUsed] = match settings.foot {
         Foot::Auto => &[FootUsed::Free, FootUsed::Pinned],
         Foot::Free => &[FootUsed::Free],
         Foot::Pinned => &[FootUsed::Pinned],
     };
-    let spans = target.extruder.spans(&edited.ruffle, &edited.positions);
-    let mut unsettled = (None, f64::INFINITY);
+    let ruffle = &drawn.ruffle;
+    let mut tipping = None;
     for foot in feet {
-        let error = |source| Error::Solve { part: name(), source };
-        let mut solver = solver(target, settings, &edited.ruffle, &spans, *foot).map_err(error)?;
-        let equilibrium = solver.solve(&edited.positions, observer).map_err(error)?;
+        let spans = target.extruder.spans(ruffle, &drawn.positions);
+        let mut solver =
+            solver(target, settings, ruffle, &spans, *foot).map_err(|source| target.solve_error(source))?;
+        let (spans, equilibrium) = agreed(target, &mut solver, ruffle, spans, &drawn.positions, observer)?;
         if equilibrium.outcome != Outcome::Converged || equilibrium.max_strain > MAX_STRAIN {
-            unsettled.1 = equilibrium.residual_n.min(unsettled.1);
             continue;
         }
-        let settled = part(target, edited.ruffle.clone(), spans.clone(), equilibrium, *foot);
+        let origin = Origin { foot: *foot, direction: Direction::Vertical, spent: Spent::default() };
+        let outline = own_outline(ruffle, &equilibrium.positions);
+        let settled = part(&Target { outline: &outline, ..*target }, ruffle.clone(), spans, equilibrium, origin);
         if settled.report.stands || *foot == FootUsed::Pinned {
             return Ok(settled);
         }
-        unsettled.0 = Some(settled);
+        tipping = Some(settled);
     }
-    let (tipping, residual_n) = unsettled;
-    tipping.ok_or(Error::Unsettled { part: name(), tried: feet.len(), residual_n })
+    tipping.ok_or(Error::Unsettled { part: target.name.into(), tried: feet.len() })
 }

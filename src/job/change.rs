@@ -77,7 +77,7 @@ pub fn change(
     let mut edit = edit(&before, request)?;
     if edit.changes_strip() && !layers_are_said(&order.design, part) {
         // Numbers mean something for a stack of so many layers only.
-        edit.set_on(Base { layers: before.layers.unwrap_or(1), stack: None });
+        edit.set_on(Base { layers: before.layers.unwrap_or(1), stack: Some(before.stack) });
     }
     let mut design = Design::parse(&source.file, &source.text)?;
     design.edits.push(edit.clone());

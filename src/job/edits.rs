@@ -4,29 +4,36 @@ use super::Error;
 use crate::design::{Design, Edit};
 use crate::fit;
 use crate::geom::P2;
-use crate::ruffle::{self, Drawn, EditError, EditSettings};
+use crate::ruffle::{self, Drawn, EditError, EditSettings, Limits};
 use std::cell::Cell;
 
 /// The edits of one part.
 pub(super) struct PartEdits<'a> {
     edits: Vec<(usize, &'a Edit)>,
-    settings: EditSettings,
+    limits: Limits,
     /// Number in the design's list of the first that was refused.
     refused: Cell<Option<usize>>,
 }
 
 impl<'a> PartEdits<'a> {
-    /// Those of part `part` that change its strip; `None` when there are none.
-    pub fn of(design: &'a Design, part: &'a str, settings: EditSettings) -> Option<PartEdits<'a>> {
-        let edits: Vec<(usize, &Edit)> = design.strip_edits(part).collect();
-        (!edits.is_empty()).then_some(PartEdits { edits, settings, refused: Cell::new(None) })
+    /// Those of part `part` that change its strip.
+    pub fn of(design: &'a Design, part: &'a str, limits: Limits) -> PartEdits<'a> {
+        PartEdits { edits: design.strip_edits(part).collect(), limits, refused: Cell::new(None) }
+    }
+
+    /// Whether there are any.
+    pub fn any(&self) -> bool {
+        !self.edits.is_empty()
     }
 
     /// The clean drawing with everything done to it.
     pub fn done(&self, clean: &Drawn) -> Result<Drawn, EditError> {
+        // Edited sections are divided as finely as the others.
+        let segment_mm = clean.ruffle.rest_lengths.iter().copied().fold(0.0, f64::max);
+        let settings = EditSettings { segment_mm, limits: self.limits };
         let mut drawn = clean.clone();
         for (number, edit) in &self.edits {
-            drawn = done(edit, &drawn, &self.settings).inspect_err(|_| {
+            drawn = done(edit, &drawn, &settings).inspect_err(|_| {
                 self.refused.set(self.refused.get().or(Some(*number)));
             })?;
         }
@@ -35,14 +42,17 @@ impl<'a> PartEdits<'a> {
 
     /// A failure to fill that names the edit, where an edit is to blame.
     pub fn named(&self, error: fit::Error) -> Error {
-        match (error, self.refused.get()) {
-            (fit::Error::Edit { source, .. }, Some(number)) => {
-                let edit = self.edits.iter().find(|(n, _)| *n == number);
-                let what = edit.map_or_else(String::new, |(_, edit)| edit.to_string());
-                Error::Edit { place: String::new(), number, what, source }
-            }
-            (other, _) => other.into(),
+        match error {
+            fit::Error::Edit { source, .. } => self.refusal(source),
+            other => other.into(),
         }
+    }
+
+    /// The refusal of the edit that was refused.
+    pub fn refusal(&self, source: EditError) -> Error {
+        let refused = self.edits.iter().find(|(n, _)| Some(*n) == self.refused.get());
+        let (number, what) = refused.map_or((0, String::new()), |(number, edit)| (*number, edit.to_string()));
+        Error::Edit { place: String::new(), number, what, source }
     }
 }
 

@@ -4,7 +4,7 @@ use super::Error;
 use super::edits::PartEdits;
 use super::order::sha256_of;
 use super::settings::Setup;
-use super::shape::{Shape, shape};
+use super::shape::{Fill, Shape, shape};
 use crate::design::{Design, PartDesign};
 use crate::fit::{self, Edits, Part, Target};
 use crate::geom::tolerance;
@@ -81,31 +81,34 @@ fn filled(
     observer: &mut dyn Observer,
 ) -> Result<Part, Error> {
     let material = setup.material();
-    let target = Target {
+    let target = |outline| Target {
         name: &part.name,
         frame: &shape.frame,
-        outline: &shape.outline,
+        outline,
         extruder: &shape.extruder,
         material: &material,
         loads_n: &[],
     };
     let settings = setup.fit(part);
-    let own = PartEdits::of(design, &part.name, setup.edits(&shape.outline, &settings));
-    let apply = own.as_ref().map(|own| |clean: &_| own.done(clean));
-    let edits = apply.as_ref().map(|apply| Edits { apply });
-    let named = |error| match &own {
-        Some(own) => own.named(error),
-        None => error.into(),
-    };
+    let own = PartEdits::of(design, &part.name, setup.edit_limits());
     let began = Instant::now();
-    let filled = match &shape.drawn {
-        Some(drawn) => fit::rest(&target, &settings, drawn, edits.as_ref(), observer).map_err(named)?,
-        None => fit::fit(&target, &settings, edits.as_ref(), observer).map_err(named)?,
+    let mut ended = began;
+    let settled = match &shape.fill {
+        Fill::Outline(outline) => {
+            let apply = |clean: &_| own.done(clean);
+            let edits = own.any().then_some(Edits { apply: &apply });
+            let target = target(outline);
+            let filled = fit::fit(&target, &settings, edits.as_ref(), observer).map_err(|e| own.named(e))?;
+            ended = Instant::now();
+            fit::settle(&target, &settings, filled)?
+        }
+        Fill::Given(drawn) => {
+            let edited = own.done(drawn).map_err(|e| own.refusal(e))?;
+            fit::rest(&target(&fit::own_outline(&edited.ruffle, &edited.positions)), &settings, &edited, observer)?
+        }
     };
-    realised.fit_ms += began.elapsed().as_secs_f64() * 1e3;
-    let began = Instant::now();
-    let settled = fit::settle(&target, &settings, filled)?;
-    realised.solve_ms += began.elapsed().as_secs_f64() * 1e3;
+    realised.fit_ms += (ended - began).as_secs_f64() * 1e3;
+    realised.solve_ms += ended.elapsed().as_secs_f64() * 1e3;
     realised.warnings.extend(fit::warnings(&settled, &settings));
     Ok(settled)
 }

@@ -2,11 +2,10 @@
 
 use super::Error;
 use crate::config::{self, Air, AirCode, Corner, Grain, Library, Machine, Pairing, Profile, ToolClass};
-use crate::cut::Outline;
-use crate::design::{Design, Foot, MeshSource, PartDesign, Up};
+use crate::design::{Design, Foot, MeshSource, Method, PartDesign, Stack, Up};
 use crate::geom::{P2, Rect};
 use crate::progress::Warning;
-use crate::ruffle::{EditSettings, Limits};
+use crate::ruffle::Limits;
 use crate::{cut, fit, gcode, mesh, nest, sim, stream, strip, toolpath};
 
 /// Sheets thinner than this, mm, lift and blow away when nothing holds them.
@@ -118,6 +117,14 @@ impl Setup {
                 Foot::Free => fit::Foot::Free,
                 Foot::Pinned => fit::Foot::Pinned,
             },
+            direction: match part.stack {
+                Some(Stack::Toward(direction)) => Some(direction),
+                _ => None,
+            },
+            method: match part.method {
+                Some(Method::Paper) => fit::Method::Paper,
+                None => fit::Method::Adjoint,
+            },
             min_bend_radius_mm: self.profile.min_bend_radius_mm,
             min_void_mm: self.profile.min_void_mm,
             ..fit::Settings::default()
@@ -130,10 +137,9 @@ impl Setup {
         settings
     }
 
-    /// How strips are edited by hand, in a shape that is filled by `settings`.
-    pub fn edits(&self, outline: &Outline, settings: &fit::Settings) -> EditSettings {
-        let limits = Limits { min_bend_radius_mm: settings.min_bend_radius_mm, min_void_mm: settings.min_void_mm };
-        EditSettings { segment_mm: fit::segment_mm(outline, &settings.stack), limits }
+    /// What edits by hand may not do.
+    pub fn edit_limits(&self) -> Limits {
+        Limits { min_bend_radius_mm: self.profile.min_bend_radius_mm, min_void_mm: self.profile.min_void_mm }
     }
 
     /// The joint for this tool.

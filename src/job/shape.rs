@@ -3,7 +3,7 @@
 use super::Error;
 use super::settings::Setup;
 use crate::cut::{Outline, Plane, PlaneFrame, cut, default_plane};
-use crate::design::{GivenStack, OutlineSource, PartDesign, Stack};
+use crate::design::{OutlineSource, PartDesign, Stack};
 use crate::drawing;
 use crate::extrude::Extruder;
 use crate::geom::{P2, P3, V3, signed_area};
@@ -16,14 +16,20 @@ use std::path::Path;
 pub(super) struct Shape {
     /// Where its plane lies in the mesh frame.
     pub frame: PlaneFrame,
-    /// What is to be filled.
-    pub outline: Outline,
+    /// What is to be filled, and with what.
+    pub fill: Fill,
     /// How wide the strip is where.
     pub extruder: Extruder,
-    /// The strip itself, where its lengths are given.
-    pub drawn: Option<Drawn>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
+}
+
+/// What becomes of a part.
+pub(super) enum Fill {
+    /// An outline is filled.
+    Outline(Outline),
+    /// The strip's lengths are given; it fills what it encloses.
+    Given(Drawn),
 }
 
 /// Works out the shape of a part as `decided` ([`Design::decided`](crate::design::Design::decided)). Files it names lie in `folder`.
@@ -31,7 +37,10 @@ pub(super) fn shape(part: &PartDesign, mesh: Option<&TriMesh>, folder: &Path, se
     // The check of the design sees to it that a part without a mesh says how wide it is.
     let width_mm = part.width_mm.unwrap_or_default();
     if let Some(Stack::Given(given)) = &part.stack {
-        return given_stack(part, given, width_mm, setup);
+        let segment_mm = setup.fit(part).stack.segment_mm;
+        let drawn = uniform_stack(given.layers, given.layer_mm(), given.inner_mm, segment_mm);
+        let fill = Fill::Given(drawn);
+        return Ok(Shape { frame: front(), fill, extruder: constant(part, width_mm)?, warnings: Vec::new() });
     }
     if let Some(source) = &part.outline {
         let loops = match source {
@@ -45,13 +54,8 @@ pub(super) fn shape(part: &PartDesign, mesh: Option<&TriMesh>, folder: &Path, se
             }
         };
         let outline = outline(loops).map_err(|problem| Error::Outline { part: part.name.clone(), problem })?;
-        return Ok(Shape {
-            frame: front(),
-            outline,
-            extruder: constant(part, width_mm)?,
-            drawn: None,
-            warnings: Vec::new(),
-        });
+        let fill = Fill::Outline(outline);
+        return Ok(Shape { frame: front(), fill, extruder: constant(part, width_mm)?, warnings: Vec::new() });
     }
     let no_mesh = || Error::Outline { part: part.name.clone(), problem: "there is no mesh to cut it from".into() };
     from_mesh(part, mesh.ok_or_else(no_mesh)?, setup)
@@ -67,7 +71,7 @@ fn from_mesh(part: &PartDesign, mesh: &TriMesh, setup: &Setup) -> Result<Shape, 
     let extruder = Extruder::from_mesh(mesh, &section.frame, setup.joint().min_width_mm)
         .map_err(|source| Error::Extrude { part: part.name.clone(), source })?;
     let warnings = section.warnings.into_iter().map(|w| w.in_part(part.name.clone())).collect();
-    Ok(Shape { frame: section.frame, outline: section.outline, extruder, drawn: None, warnings })
+    Ok(Shape { frame: section.frame, fill: Fill::Outline(section.outline), extruder, warnings })
 }
 
 /// The plane of a shape that no mesh is cut for: seen from the front, its origin that of the outline.
@@ -78,29 +82,6 @@ fn front() -> PlaneFrame {
 fn constant(part: &PartDesign, width_mm: f64) -> Result<Extruder, Error> {
     Extruder::constant(-0.5 * width_mm, 0.5 * width_mm)
         .map_err(|source| Error::Extrude { part: part.name.clone(), source })
-}
-
-/// A stack with given lengths. Its outline is its own as it is drawn, so what it does not fill is what it sags.
-fn given_stack(part: &PartDesign, given: &GivenStack, width_mm: f64, setup: &Setup) -> Result<Shape, Error> {
-    let segment_mm = setup.fit(part).stack.segment_mm;
-    let drawn = uniform_stack(given.layers, given.layer_mm(), given.inner_mm, segment_mm);
-    let ruffle = &drawn.ruffle;
-    let points = |section: usize, backward: bool| {
-        let nodes = &ruffle.walk[ruffle.sections[section].first_segment..=ruffle.sections[section].end_segment];
-        let mut points: Vec<P2> = nodes.iter().map(|n| drawn.positions[n.index()]).collect();
-        if backward {
-            points.reverse();
-        }
-        points.pop();
-        points
-    };
-    // Along the bottom, up the right loops, back along the top, down the left ones.
-    let mut outer = points(0, false);
-    (0..given.layers).for_each(|layer| outer.extend(points(4 * layer + 1, false)));
-    outer.extend(points(4 * given.layers, true));
-    (0..given.layers).rev().for_each(|layer| outer.extend(points(4 * layer + 3, true)));
-    let outline = Outline { outer, holes: Vec::new() };
-    Ok(Shape { frame: front(), outline, extruder: constant(part, width_mm)?, drawn: Some(drawn), warnings: Vec::new() })
 }
 
 /// Loops as an outline: the one that encloses most, turned counter-clockwise, the others holes in it.

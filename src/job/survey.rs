@@ -9,7 +9,7 @@ use crate::fit::{FootUsed, Part};
 use crate::geom::P2;
 use crate::preview::Canvas;
 use crate::progress::{Observer, Warning};
-use crate::ruffle::{Drawn, Role, layer_count, loops};
+use crate::ruffle::{Direction, Drawn, Role, loops};
 use serde::Serialize;
 
 /// A design and what became of it.
@@ -38,6 +38,8 @@ pub struct PartSurvey {
     pub plane: PlaneSource,
     /// Layers of its stack, however densified.
     pub layers: Option<usize>,
+    /// Which way they lie on each other.
+    pub stack: Direction,
     /// How it stands.
     pub foot: FootUsed,
     /// Outline area enclosed over outline area.
@@ -145,7 +147,8 @@ fn part(part: &Part) -> PartSurvey {
             origin_mm: [frame.origin.x, frame.origin.y, frame.origin.z],
             normal: [frame.normal.x, frame.normal.y, frame.normal.z],
         },
-        layers: layer_count(&drawn).ok(),
+        layers: Some(ruffle.layers().len()).filter(|n| *n > 0),
+        stack: report.direction,
         foot: report.foot,
         filled_fraction: 1.0 - report.uncovered_fraction,
         strip_length_mm: report.strip_length_mm,

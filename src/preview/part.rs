@@ -140,7 +140,7 @@ fn nearest_pair(points: &[P2]) -> Option<f64> {
 }
 
 /// What the numbers are.
-const NUMBERS: &str = "numbers at dots: joints; in boxes: sections";
+const NUMBERS: &str = "numbers at dots: joints, in boxes: sections";
 /// What the bands are.
 const LEGEND: [&str; 3] = ["densified once", "densified twice", "densified three times or more"];
 /// Room for a sample of a band before its line.

@@ -8,8 +8,10 @@ mod chords;
 mod coarser;
 mod curve;
 mod densified;
+mod direction;
 mod edit;
 mod ladder;
+mod layers;
 mod load_test;
 mod packed;
 mod stack;
@@ -17,11 +19,13 @@ mod stack;
 pub use check::Flaw;
 pub use coarser::Coarser;
 pub use densified::{Densification, Densified};
+pub use direction::{Direction, suited_direction};
 pub use edit::{
     EditError, EditSettings, Limits, densify, insert_layer, layer_count, loops, merge_segments, move_joint,
     remove_layer, set_length, split_segments, undensify,
 };
 pub use ladder::uniform_stack;
+pub use layers::Layer;
 pub use load_test::{Strip, load_test};
 pub use stack::{Drawn, Layering, StackError, StackSettings, draw_stack};
 

@@ -1,5 +1,6 @@
 //! Newton's method with a floor, among sheets that may not pass through each other.
 
+use super::anchors::Anchors;
 use super::contact_model::ContactModel;
 use super::model::Model;
 use super::plate::Plate;
@@ -15,6 +16,7 @@ pub(super) struct System {
     pub model: Model,
     pub contacts: ContactModel,
     pub plate: Plate,
+    pub anchors: Anchors,
     pub settings: Settings,
     /// Unknowns that never move.
     pub held: Vec<bool>,
@@ -92,6 +94,7 @@ impl System {
             model,
             contacts: ContactModel::new(settings.contact, ruffle),
             plate: Plate::new(ruffle.node_count),
+            anchors: Anchors::default(),
             settings: *settings,
             held,
             failure: None,
@@ -152,6 +155,7 @@ impl System {
         self.model.gradient(x, gradient);
         self.contacts.add_gradient(x, gradient);
         self.plate.add_gradient(x, gradient);
+        self.anchors.add_gradient(x, gradient);
         let mut residual = 0.0_f64;
         for (unknown, g) in gradient.iter().enumerate() {
             let on_floor = unknown % 2 == 1 && x[unknown / 2].y <= self.settings.floor_mm + FLOOR_REACH_MM && *g > 0.0;
@@ -165,7 +169,7 @@ impl System {
 
     /// Total energy, N mm.
     pub fn energy(&self, x: &[P2]) -> f64 {
-        self.model.energy(x) + self.contacts.energy(x) + self.plate.energy(x)
+        self.model.energy(x) + self.contacts.energy(x) + self.plate.energy(x) + self.anchors.energy(x)
     }
 
     /// One projected Newton step (two-metric projection, Bertsekas 1982, doi:10.1137/0320018): exact Hessian where it is positive definite, its convex part
@@ -210,6 +214,7 @@ impl System {
         self.model.hessian(x, convex, hessian);
         self.contacts.add_hessian(x, convex, self.factorisation.pattern(), hessian);
         self.plate.add_hessian(x, self.factorisation.pattern(), hessian);
+        self.anchors.add_hessian(self.factorisation.pattern(), hessian);
         self.factorisation.pattern().damp(hessian, damping_n_per_mm);
         self.factorisation.pattern().fix(hessian, fixed);
         if !self.factorisation.factor(hessian) {

@@ -182,7 +182,7 @@ mod tests {
             material: &material,
             loads_n: &[],
         };
-        fit::fit(&target, &fit::Settings { rounds: 0, ..fit::Settings::default() }, None, &mut Quiet).unwrap()
+        fit::fit(&target, &fit::Settings { effort: 0, ..fit::Settings::default() }, None, &mut Quiet).unwrap()
     }
 
     fn settings(max_piece_mm: f64) -> Settings {

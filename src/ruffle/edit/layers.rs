@@ -98,7 +98,7 @@ pub fn insert_layer(drawn: &Drawn, at: usize, height_mm: f64, settings: &EditSet
     let (next_left, next_right) = (on_twin(left), on_twin(right));
     let mut side = |from: usize, to: usize, inside: f64, end: f64| {
         let out = (curve.at(end) - curve.at(inside)).normalize();
-        let drawn = Curve::loop_beyond(draft.knots[from], draft.knots[to], out, 0.5 * height_mm);
+        let drawn = Curve::loop_beyond([draft.knots[from], draft.knots[to]], [out; 2], 0.5 * height_mm);
         draft.part(Role::Outer, [from, to], &drawn, drawn.length(), settings.segment_mm)
     };
     let across = Curve::traced(|v| curve.at(1.0 - v) + up * smooth(1.0 - v));
