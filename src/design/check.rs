@@ -1,7 +1,7 @@
 //! Which designs make sense.
 
 use super::edit::plane_problem;
-use super::{Design, Error, PartDesign, SCHEMA, Stack};
+use super::{Design, Edit, Error, PartDesign, SCHEMA, Stack};
 
 /// Longest side of anything that is given in mm: no strip is a hundred metres long.
 const LONGEST_MM: f64 = 1e5;
@@ -38,6 +38,10 @@ impl Design {
             }
             if let Some(problem) = edit.problem() {
                 return wrong(key(), problem);
+            }
+            let own_shape = |p: &&PartDesign| p.name == edit.part() && p.width_mm.is_some();
+            if matches!(edit, Edit::Plane { .. }) && self.parts.iter().any(|p| own_shape(&p)) {
+                return wrong(key(), "cuts a mesh, and this part has none");
             }
         }
         Ok(())

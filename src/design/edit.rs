@@ -1,6 +1,6 @@
 //! What a user changed after the first look, one entry for each command: the list is the history, and undoing takes the last one away.
 
-use super::{Direction, PlaneSource};
+use super::{Design, Direction, PartDesign, PlaneSource, Stack};
 use crate::geom::V3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -206,7 +206,7 @@ impl fmt::Display for Edit {
     }
 }
 
-impl super::Design {
+impl Design {
     /// The edits of a part that change its strip, with their numbers in the list, from 1.
     pub fn strip_edits<'a>(&'a self, part: &'a str) -> impl Iterator<Item = (usize, &'a Edit)> {
         let numbered = self.edits.iter().enumerate().map(|(i, edit)| (i + 1, edit));
@@ -214,20 +214,23 @@ impl super::Design {
     }
 
     /// A part with what edits decide about how it is cut and drawn: the last word on its plane, its layers and which way they lie.
-    pub fn decided(&self, part: &super::PartDesign) -> super::PartDesign {
+    pub fn decided(&self, part: &PartDesign) -> PartDesign {
         let mut decided = part.clone();
         for edit in self.edits.iter().filter(|edit| edit.part() == part.name) {
             match edit {
-                Edit::Layers { layers, .. } => decided.layers = Some(*layers),
+                Edit::Layers { layers, .. } => match &mut decided.stack {
+                    Some(Stack::Given(given)) => given.layers = *layers,
+                    _ => decided.layers = Some(*layers),
+                },
                 Edit::Plane { origin_mm, normal, .. } => {
                     decided.plane = Some(PlaneSource { origin_mm: *origin_mm, normal: *normal });
                 }
                 _ => {}
             }
-            if let Some(on) = edit.on() {
+            if let Some(on) = edit.on().filter(|_| !matches!(decided.stack, Some(Stack::Given(_)))) {
                 decided.layers = Some(on.layers);
                 if let Some(direction) = on.stack {
-                    decided.stack = Some(super::Stack::Toward(direction));
+                    decided.stack = Some(Stack::Toward(direction));
                 }
             }
         }
@@ -237,5 +240,128 @@ impl super::Design {
     /// Takes the last edit away.
     pub fn undo(&mut self) -> Option<Edit> {
         self.edits.pop()
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Any edit of part A, of sections up to `sections`, so that some apply to a stack and some do not.
+    pub(crate) fn any_edit(sections: usize) -> impl Strategy<Value = Edit> {
+        let part = || Just("A".to_owned());
+        let some = move || prop::collection::vec(0..sections, 1..4);
+        let on = || prop::option::of((1usize..5).prop_map(|layers| Base { layers, stack: Some(Direction::Vertical) }));
+        let quarter = |range: std::ops::Range<i32>| range.prop_map(|n| f64::from(n) / 4.0);
+        prop_oneof![
+            3 => (part(), some(), 1usize..3, on())
+                .prop_map(|(part, sections, levels, on)| Edit::Densify { part, sections, levels, on }),
+            2 => (part(), some(), on()).prop_map(|(part, sections, on)| Edit::Undensify { part, sections, on }),
+            2 => (part(), some(), quarter(80..320), on()).prop_map(|(part, sections, mm, on)| Edit::Length {
+                part,
+                sections,
+                length_mm: Some(mm),
+                factor: None,
+                on
+            }),
+            1 => (part(), some(), quarter(2..7), on()).prop_map(|(part, sections, factor, on)| Edit::Length {
+                part,
+                sections,
+                length_mm: None,
+                factor: Some(factor),
+                on
+            }),
+            2 => (part(), 1u32..9, quarter(-60..260), quarter(0..300), on())
+                .prop_map(|(part, joint, u, v, on)| Edit::MovePoint { part, joint, to_mm: [u, v], on }),
+            1 => (part(), 1usize..5).prop_map(|(part, layers)| Edit::Layers { part, layers }),
+            1 => (part(), quarter(-9..9)).prop_map(|(part, x)| Edit::Plane {
+                part,
+                origin_mm: [x, 0.0, 1.5],
+                normal: [0.0, x, 1.0]
+            }),
+        ]
+    }
+
+    const TEXT: &str = "# mine\nschema = 1\nmachine = \"m\"\nmaterial = \"p\" # thick\n\n[mesh]\nfile = \"a.obj\"\n\n# the seat\n[[part]]\nname = \"A\" # only one\n\n# first idea\n[[edit]]\ndo = \"layers\" # more\npart = \"A\"\nlayers = 3\n";
+
+    proptest! {
+        #[test]
+        fn any_edits_read_back_as_they_were_written(edits in prop::collection::vec(any_edit(30), 0..6)) {
+            let mut design = Design::parse("d.toml", TEXT).unwrap();
+            design.edits.extend(edits);
+            prop_assert_eq!(Design::parse("d.toml", &design.to_toml()), Ok(design.clone()));
+            let over = design.written_over("d.toml", TEXT).unwrap();
+            prop_assert_eq!(Design::parse("d.toml", &over), Ok(design));
+            prop_assert!(over.starts_with(TEXT), "{}", over);
+        }
+
+        #[test]
+        fn undoing_gives_the_same_text_back(edits in prop::collection::vec(any_edit(30), 1..5)) {
+            let mut design = Design::parse("d.toml", TEXT).unwrap();
+            let mut texts = vec![TEXT.to_owned()];
+            for edit in edits {
+                design.edits.push(edit);
+                texts.push(design.written_over("d.toml", &texts[texts.len() - 1]).unwrap());
+            }
+            while texts.len() > 1 {
+                let text = texts.pop().unwrap();
+                design.undo();
+                prop_assert_eq!(&design.written_over("d.toml", &text).unwrap(), &texts[texts.len() - 1]);
+            }
+        }
+    }
+
+    #[test]
+    fn edits_in_one_line_keep_their_place_and_comments_too() {
+        let inline = TEXT
+            .split("# first")
+            .next()
+            .unwrap()
+            .replace("\n[mesh]", "edit = [\n  { do = \"layers\", part = \"A\", layers = 3 }, # more\n]\n\n[mesh]");
+        let mut design = Design::parse("d.toml", &inline).unwrap();
+        design.edits.push(Edit::Layers { part: "A".into(), layers: 4 });
+        let more = design.written_over("d.toml", &inline).unwrap();
+        assert_eq!(Design::parse("d.toml", &more).as_ref(), Ok(&design), "{more}");
+        assert!(more.contains("# more") && super::super::edit_line(&more, 2).is_some(), "{more}");
+    }
+
+    #[test]
+    fn what_is_wrong_with_an_edit_is_told_with_its_line() {
+        let text = |body: &str| format!("{TEXT}\n[[edit]]\n{body}\n");
+        for (body, words) in [
+            (
+                "do = \"densfy\"\npart = \"A\"\nsections = [1]",
+                "d.toml:20:7: unknown value 'densfy'; did you mean 'densify'?",
+            ),
+            (
+                "do = \"densify\"\npart = \"A\"\nsectoins = [1]",
+                "d.toml:22:1: unknown key 'sectoins'; did you mean 'sections'?",
+            ),
+            ("do = \"densify\"\npart = \"A\"", "missing field `sections`"),
+            ("do = \"densify\"\npart = \"B\"\nsections = [1]", "edit 2 (densify B 1) names a part that is not there"),
+            ("do = \"densify\"\npart = \"A\"\nsections = []", "names no sections"),
+            ("do = \"densify\"\npart = \"A\"\nsections = [1]\nlevels = 9", "levels must be 1 to 4"),
+            ("do = \"length\"\npart = \"A\"\nsections = [1]", "either length_mm or factor"),
+            ("do = \"length\"\npart = \"A\"\nsections = [1]\nlength_mm = -2", "a length above 0"),
+            ("do = \"plane\"\npart = \"A\"\norigin_mm = [0, 0, 0]\nnormal = [0, 0, 0]", "a normal that is not zero"),
+        ] {
+            let message = Design::parse("d.toml", &text(body)).unwrap_err().to_string();
+            assert!(message.contains(words), "{body}: {message}");
+        }
+        assert_eq!([1, 2].map(|n| super::super::edit_line(&text("do = \"layers\""), n)), [Some(14), Some(19)]);
+    }
+
+    #[test]
+    fn the_last_word_on_plane_and_layers_counts() {
+        let mut design = Design::parse("d.toml", TEXT).unwrap();
+        let part = design.parts[0].clone();
+        assert_eq!(design.decided(&part).layers, Some(3));
+        let on = Some(Base { layers: 5, stack: Some(Direction::Horizontal) });
+        design.edits.push(Edit::Densify { part: "A".into(), sections: vec![1], levels: 1, on });
+        let decided = design.decided(&part);
+        assert_eq!((decided.layers, decided.stack), (Some(5), Some(Stack::Toward(Direction::Horizontal))));
+        design.edits.push(Edit::Layers { part: "A".into(), layers: 4 });
+        assert_eq!(design.decided(&part).layers, Some(4));
     }
 }

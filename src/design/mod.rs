@@ -11,6 +11,8 @@ mod text;
 
 pub use crate::ruffle::Direction;
 pub use builtin::built_in;
+#[cfg(test)]
+pub(crate) use edit::tests as edit_tests;
 pub use edit::{Base, Edit, MAX_LEVELS};
 pub use shape::{GivenStack, Method, OutlineSource, Stack};
 pub use text::edit_line;

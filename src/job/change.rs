@@ -1,9 +1,10 @@
 //! Changing a design: what is asked for becomes an edit, the edited design is worked out, and only then is there a new text.
 
-use super::survey::{PartSurvey, survey};
+use super::survey::{PartSurvey, Survey, survey};
 use super::{Error, Order, Source};
 use crate::config::Library;
 use crate::design::{Base, Design, Edit, Stack};
+use crate::fit;
 use crate::geom::{P2, P3, Rect, V3};
 use crate::progress::Observer;
 
@@ -73,7 +74,7 @@ pub fn change(
     library: &Library,
     observer: &mut dyn Observer,
 ) -> Result<Changed, Error> {
-    let before = only(survey(order, Some(part), library, observer)?.parts);
+    let before = part_of(survey(order, library, observer)?, part)?;
     let mut edit = edit(&before, request)?;
     if edit.changes_strip() && !layers_are_said(&order.design, part) {
         // Numbers mean something for a stack of so many layers only.
@@ -86,15 +87,32 @@ pub fn change(
     let mut edited = order.clone();
     edited.design.edits.push(edit.clone());
     edited.source = Some(Source { file: source.file.clone(), text: text.clone() });
-    let survey = survey(&edited, Some(part), library, observer)?;
-    let warnings = survey.warnings;
     let number = design.edits.len();
-    Ok(Changed { edit: edit.to_string(), number, before, after: only(survey.parts), warnings, text })
+    let survey = survey(&edited, library, observer).map_err(|error| refused(error, number, &edit))?;
+    let warnings = survey.warnings.iter().filter(|w| w.part.as_deref().is_none_or(|p| p == part)).cloned().collect();
+    let after = part_of(survey, part)?;
+    Ok(Changed { edit: edit.to_string(), number, before, after, warnings, text })
 }
 
-/// The only part of a survey of one.
-fn only(mut parts: Vec<PartSurvey>) -> PartSurvey {
-    parts.swap_remove(0)
+/// A part out of a survey.
+fn part_of(survey: Survey, name: &str) -> Result<PartSurvey, Error> {
+    let names: Vec<String> = survey.parts.iter().map(|p| p.name.clone()).collect();
+    let missing = || Error::Request {
+        part: name.to_owned(),
+        problem: format!("there is no such part; parts are {}", names.join(", ")),
+    };
+    survey.parts.into_iter().find(|p| p.name == name).ok_or_else(missing)
+}
+
+/// Why a new edit was refused: told of the edit itself, not of its place in a file that does not hold it.
+fn refused(error: Error, number: usize, edit: &Edit) -> Error {
+    let source = match error {
+        Error::Edit { number: n, source, .. } if n == number => {
+            fit::Error::Edit { part: edit.part().to_owned(), source }.into()
+        }
+        other => other,
+    };
+    Error::Change { what: edit.to_string(), source: Box::new(source) }
 }
 
 /// Whether the file says how many layers a part has.
@@ -208,8 +226,10 @@ fn section(now: &PartSurvey, name: &str) -> Result<usize, Error> {
 /// A joint's number out of "A3" or "3".
 fn joint_number(now: &PartSurvey, name: &str) -> Result<u32, Error> {
     let digits = name.strip_prefix(now.name.as_str()).unwrap_or(name);
-    let number = digits.parse::<u32>().ok().filter(|n| (1..=now.joints as u32).contains(n));
-    number.ok_or_else(|| wrong(now, format!("there is no joint '{name}'; it has {0}1 to {0}{1}", now.name, now.joints)))
+    let number = digits.parse::<u32>().ok().filter(|n| (1..=now.joints_mm.len() as u32).contains(n));
+    number.ok_or_else(|| {
+        wrong(now, format!("there is no joint '{name}'; it has {0}1 to {0}{1}", now.name, now.joints_mm.len()))
+    })
 }
 
 fn wrong(now: &PartSurvey, problem: String) -> Error {

@@ -77,3 +77,50 @@ fn done(edit: &Edit, drawn: &Drawn, settings: &EditSettings) -> Result<Drawn, Ed
         Edit::Layers { .. } | Edit::Plane { .. } => Ok(drawn.clone()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::edit_tests::any_edit;
+    use crate::ruffle::uniform_stack;
+    use proptest::prelude::*;
+
+    fn design(edits: Vec<Edit>) -> Design {
+        let text = "schema = 1\nmachine = \"m\"\nmaterial = \"p\"\n[[part]]\nname = \"A\"\nstack = { layers = 2, inner_mm = 60, outer_mm = 47 }\nwidth_mm = 30\n";
+        Design { edits, ..Design::parse("d.toml", text).unwrap() }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+        #[test]
+        fn any_edits_leave_a_sound_ruffle_or_are_refused_by_number(edits in prop::collection::vec(any_edit(14), 1..6)) {
+            let design = design(edits);
+            let own = PartEdits::of(&design, "A", Limits::default());
+            let clean = uniform_stack(2, 30.0, 60.0, 3.0);
+            match own.done(&clean) {
+                Ok(drawn) => {
+                    prop_assert_eq!(drawn.ruffle.check(), Ok(()));
+                    prop_assert_eq!(&own.done(&clean).unwrap(), &drawn, "the same again");
+                }
+                Err(EditError::Flaw(flaw)) => prop_assert!(false, "{}", flaw),
+                Err(error) => {
+                    let Error::Edit { number, what, .. } = own.refusal(error) else { unreachable!() };
+                    prop_assert_eq!(&design.edits[number - 1].to_string(), &what);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sections_are_numbered_as_the_edit_before_left_them() {
+        let densify = |sections| Edit::Densify { part: "A".into(), sections, levels: 1, on: None };
+        let clean = uniform_stack(2, 30.0, 60.0, 3.0);
+        // Densifying loop 1 puts six sections more before loop 3.
+        let design = design(vec![densify(vec![1]), densify(vec![9])]);
+        let one_by_one = PartEdits::of(&design, "A", Limits::default()).done(&clean).unwrap();
+        let settings = EditSettings { segment_mm: 3.2, limits: Limits::default() };
+        let loops = ruffle::loops(&ruffle::densify(&clean, &[1], 1, &settings).unwrap()).unwrap();
+        assert!(loops.contains(&9), "{loops:?}");
+        assert_eq!(one_by_one.ruffle.densified.made.len(), 2);
+    }
+}

@@ -52,6 +52,14 @@ pub enum Error {
         /// Why.
         source: crate::ruffle::EditError,
     },
+    /// A change that does not work.
+    #[error("{what} cannot be done, and nothing was changed: {source}")]
+    Change {
+        /// The edit in words.
+        what: String,
+        /// Why.
+        source: Box<Error>,
+    },
     /// A request that names something the part does not have.
     #[error("part {part}: {problem}")]
     Request {
@@ -178,7 +186,7 @@ impl Error {
         match self {
             Error::Config(e) => e.refuses_job(),
             Error::Design(_) | Error::Mesh(_) | Error::UnknownStock { .. } => false,
-            Error::Outline { .. } | Error::Drawing { .. } | Error::Request { .. } => false,
+            Error::Outline { .. } | Error::Drawing { .. } => false,
             Error::ForeignDesign { .. } | Error::Parse { .. } | Error::File { .. } => false,
             _ => true,
         }

@@ -48,8 +48,8 @@ pub struct PartSurvey {
     pub strip_length_mm: f64,
     /// Its mass, g.
     pub strip_mass_g: f64,
-    /// Number of connection points.
-    pub joints: usize,
+    /// Where its joints are, the first joint first: u and v in the picture, mm.
+    pub joints_mm: Vec<[f64; 2]>,
     /// In strip order; a section's index is its number.
     pub sections: Vec<SectionSurvey>,
     /// The picture of it.
@@ -71,6 +71,8 @@ pub struct SectionSurvey {
     pub closes_room: bool,
     /// Rest length, mm.
     pub length_mm: f64,
+    /// Its middle: u and v in the picture, mm.
+    pub middle_mm: [f64; 2],
     /// Joints at its ends, such as "A3"; none where the strip begins or passes only once.
     pub joints: [Option<String>; 2],
     /// How often it was densified.
@@ -79,32 +81,11 @@ pub struct SectionSurvey {
     pub pinned: bool,
 }
 
-/// Works a design out and tells what it is; with `only`, that part alone.
-pub fn survey(
-    order: &Order,
-    only: Option<&str>,
-    library: &Library,
-    observer: &mut dyn Observer,
-) -> Result<Survey, Error> {
-    let design = match only {
-        Some(name) => alone(&order.design, name)?,
-        None => order.design.clone(),
-    };
-    let setup = Setup::new(&design, library)?;
-    let realised = realise(&design, &order.folder, &setup, observer).map_err(|e| order.placed(e))?;
-    Ok(surveyed(&design, &setup, &realised))
-}
-
-/// A design with one part only. Edits of the others stay in the list, so that all keep their numbers.
-fn alone(design: &Design, name: &str) -> Result<Design, Error> {
-    let mut design = design.clone();
-    let names: Vec<String> = design.parts.iter().map(|p| p.name.clone()).collect();
-    design.parts.retain(|part| part.name == name);
-    if design.parts.is_empty() {
-        let problem = format!("there is no such part; parts are {}", names.join(", "));
-        return Err(Error::Request { part: name.to_owned(), problem });
-    }
-    Ok(design)
+/// Works a design out and tells what it is.
+pub fn survey(order: &Order, library: &Library, observer: &mut dyn Observer) -> Result<Survey, Error> {
+    let setup = Setup::new(&order.design, library)?;
+    let realised = realise(&order.design, &order.folder, &setup, observer).map_err(|e| order.placed(e))?;
+    Ok(surveyed(&order.design, &setup, &realised))
 }
 
 fn surveyed(design: &Design, setup: &Setup, realised: &Realised) -> Survey {
@@ -116,6 +97,11 @@ fn surveyed(design: &Design, setup: &Setup, realised: &Realised) -> Survey {
         edits: design.edits.iter().map(ToString::to_string).collect(),
         warnings: realised.warnings.clone(),
     }
+}
+
+/// To a tenth of a millimetre, as people give places.
+fn place(at: &P2) -> [f64; 2] {
+    [at.x, at.y].map(|v| (v * 10.0).round() / 10.0 + 0.0)
 }
 
 fn part(part: &Part) -> PartSurvey {
@@ -132,6 +118,7 @@ fn part(part: &Part) -> PartSurvey {
             role: section.role,
             closes_room: rooms.contains(&number),
             length_mm: ruffle.section_length(number),
+            middle_mm: place(&drawn.positions[ruffle.at((section.first_segment + section.end_segment) / 2)]),
             joints: [joint(start), joint(end)],
             level: ruffle.densified.level(number),
             pinned: section.pinned,
@@ -153,16 +140,9 @@ fn part(part: &Part) -> PartSurvey {
         filled_fraction: 1.0 - report.uncovered_fraction,
         strip_length_mm: report.strip_length_mm,
         strip_mass_g: report.strip_mass_g,
-        joints: points.len(),
+        joints_mm: points.iter().map(|c| place(&drawn.positions[c.node.index()])).collect(),
         sections: ruffle.sections.iter().enumerate().map(section).collect(),
         picture: pictures::part(part),
         paths: ruffle.sections.iter().map(path).collect(),
-    }
-}
-
-impl Survey {
-    /// A part by its name.
-    pub fn part(&self, name: &str) -> Option<&PartSurvey> {
-        self.parts.iter().find(|part| part.name == name)
     }
 }

@@ -36,6 +36,7 @@ const SMALLEST_TEXT: f64 = 1.2;
 const TITLE: f64 = 3.2;
 const CAPTION: f64 = 2.1;
 const SECTION_TEXT: f64 = 1.5;
+const RULER_TEXT: f64 = 1.4;
 
 /// Draws the folded ruffle in its outline: the region pale blue, outer sections a little heavier than inner ones, a band under densified sections that is the darker
 /// the more often they were densified, joints as dots with their numbers beside them, the sections' numbers in little boxes, the floor, a scale bar and the caption.
@@ -51,12 +52,37 @@ pub fn part_canvas(view: &PartView) -> Canvas {
     canvas.region(view.outline.loops(), Some(Colour::REGION), None);
     let floor = [P2::new(picture.min.x + unit, 0.0), P2::new(picture.max.x - unit, 0.0)];
     canvas.polyline(&floor, Stroke::new(Colour::GREY, HAIR * unit));
+    draw_rulers(&mut canvas, &picture, unit);
     draw_density(&mut canvas, view, unit);
     draw_strip(&mut canvas, view, unit);
-    let taken = draw_joints(&mut canvas, view, picture.grown(-unit), unit);
-    draw_section_numbers(&mut canvas, view, taken, unit);
+    let (taken, joint_mm) = draw_joints(&mut canvas, view, picture.grown(-unit), unit);
+    draw_section_numbers(&mut canvas, view, taken, joint_mm.min(SECTION_TEXT * unit));
     foot.draw(&mut canvas);
     canvas
+}
+
+/// Marks u along the lower edge and v along the left one, so that a place in the picture can be told in mm.
+fn draw_rulers(canvas: &mut Canvas, picture: &Rect, unit: f64) {
+    let step = round_length(0.2 * picture.width().max(picture.height()));
+    let stroke = Stroke::new(Colour::PALE, HAIR * unit);
+    let (tick, height_mm) = (unit, RULER_TEXT * unit);
+    // Not in the corner, where the two would run into each other.
+    let marks = |from: f64, to: f64| {
+        let numbers = ((from + MARGIN * unit) / step).ceil() as i64..=((to - MARGIN * unit) / step).floor() as i64;
+        numbers.map(move |k| k as f64 * step)
+    };
+    for u in marks(picture.min.x, picture.max.x) {
+        let low = P2::new(u, picture.min.y);
+        canvas.polyline(&[low, low + V2::new(0.0, tick)], stroke);
+        let (at, text) = (low + V2::new(0.0, 1.4 * tick), svg_number(u));
+        canvas.text(Text { at, align: Align::Middle, height_mm, colour: Colour::GREY, text: &text });
+    }
+    for v in marks(picture.min.y, picture.max.y) {
+        let left = P2::new(picture.min.x, v);
+        canvas.polyline(&[left, left + V2::new(tick, 0.0)], stroke);
+        let (at, text) = (left + V2::new(1.4 * tick, -0.5 * height_mm), svg_number(v));
+        canvas.text(Text { at, align: Align::Left, height_mm, colour: Colour::GREY, text: &text });
+    }
 }
 
 fn points(view: &PartView, section: &Section) -> Vec<P2> {
@@ -89,8 +115,8 @@ fn draw_strip(canvas: &mut Canvas, view: &PartView, unit: f64) {
     }
 }
 
-/// Returns the boxes that dots and numbers take up.
-fn draw_joints(canvas: &mut Canvas, view: &PartView, area: Rect, unit: f64) -> Vec<Rect> {
+/// Returns the boxes that dots and numbers take up, and how high the numbers are.
+fn draw_joints(canvas: &mut Canvas, view: &PartView, area: Rect, unit: f64) -> (Vec<Rect>, f64) {
     let dots: Vec<P2> = view.joints.iter().map(|j| j.0).collect();
     let lines: Vec<(P2, P2)> = view.ruffle.segments().map(|(i, j)| (view.positions[i], view.positions[j])).collect();
     // Where joints crowd, dots and numbers shrink with the room between them.
@@ -107,27 +133,39 @@ fn draw_joints(canvas: &mut Canvas, view: &PartView, area: Rect, unit: f64) -> V
         let (at, colour) = (place.min, Colour::INK);
         canvas.text(Text { at, align: Align::Left, height_mm: height, colour, text });
     }
-    dots.iter().map(|dot| Rect { min: *dot, max: *dot }.grown(dot_mm)).chain(places).collect()
+    (dots.iter().map(|dot| Rect { min: *dot, max: *dot }.grown(dot_mm)).chain(places).collect(), height)
+}
+
+/// The point of a polyline so far from its start, mm.
+fn along(points: &[P2], mut way_mm: f64) -> P2 {
+    for w in points.windows(2) {
+        let long = (w[1] - w[0]).norm();
+        if way_mm <= long && long > 0.0 {
+            return w[0] + (w[1] - w[0]) * (way_mm / long);
+        }
+        way_mm -= long;
+    }
+    points[points.len() - 1]
 }
 
 /// Where along a section its number may stand, the best place first, as shares of its length.
 const NUMBER_SHARES: [f64; 7] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.22, 0.78];
 
 /// Puts every section's number on it, off what is `taken` where there is a place. A short section gets a small one.
-fn draw_section_numbers(canvas: &mut Canvas, view: &PartView, mut taken: Vec<Rect>, unit: f64) {
+fn draw_section_numbers(canvas: &mut Canvas, view: &PartView, mut taken: Vec<Rect>, highest_mm: f64) {
     for (number, section) in view.ruffle.sections.iter().enumerate() {
         let points = points(view, section);
         let text = number.to_string();
         let long: f64 = points.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
-        let height = (0.12 * long).clamp(0.6 * SECTION_TEXT * unit, SECTION_TEXT * unit);
+        let height = (0.12 * long).clamp(0.6 * highest_mm, highest_mm);
         let half = V2::new(0.5 * text_width(&text, height), 0.5 * height);
         let place = |share: f64| {
-            let at = points[((points.len() - 1) as f64 * share).round() as usize];
+            let at = along(&points, share * long);
             Rect { min: at - half, max: at + half }.grown(0.3 * height)
         };
         let free = |rect: &Rect| !taken.iter().any(|t| t.overlaps(rect));
         let rect = NUMBER_SHARES.map(place).into_iter().find(free).unwrap_or_else(|| place(0.5));
-        canvas.frame(&rect, Some(Colour::WHITE), Some(Stroke::new(Colour::GREY, 0.5 * HAIR * unit)));
+        canvas.frame(&rect, Some(Colour::WHITE), Some(Stroke::new(Colour::GREY, 0.07 * highest_mm)));
         let at = rect.min + V2::repeat(0.3 * height);
         canvas.text(Text { at, align: Align::Left, height_mm: height, colour: Colour::BLUE, text: &text });
         taken.push(rect);

@@ -237,7 +237,7 @@ fn comparison(changed: &Changed) -> Vec<Vec<String>> {
         vec![format!("PART {}", changed.after.name), "BEFORE".to_owned(), "NOW".to_owned()],
         row("layers", &|p| p.layers.map(|n| n.to_string()).unwrap_or_default()),
         row("sections", &|p| p.sections.len().to_string()),
-        row("joints", &|p| p.joints.to_string()),
+        row("joints", &|p| p.joints_mm.len().to_string()),
         row("strip", &|p| format!("{:.0} mm", p.strip_length_mm)),
         row("mass", &|p| format!("{:.2} g", p.strip_mass_g)),
         row("filled", &|p| format!("{:.0} %", 100.0 * p.filled_fraction)),

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use super::super::Failure;
 use super::super::make::quoted;
 use super::super::order::Shape;
 use super::super::output;
 use super::super::screen::Screen;
-use super::super::{Exit, Failure};
 use super::show::tell;
 use super::write;
 use crate::config::Library;
@@ -42,12 +42,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let text = order.text_for(folder)?;
     // A design that cannot be filled is told now, not at the next step.
     let mut screen = Screen::open()?;
-    let survey = job::survey(&order, None, &Library::open(), &mut screen);
+    let survey = job::survey(&order, &Library::open(), &mut screen);
     screen.close();
     let survey = survey?;
-    if survey.parts.is_empty() {
-        return Err(Failure { exit: Exit::Refused, source: "the shape has no part to fill".into() });
-    }
     write(&args.out, &text)?;
     if to_stdout {
         return Ok(());
