@@ -77,25 +77,19 @@ fn a_stack_is_densified_softened_again_and_every_step_can_be_undone() {
     let count = |value: &Value| value["parts"][0]["sections"].as_array().unwrap().len();
     assert_eq!(count(&desk.show("design.toml")), 9);
     for (command, sections) in [
-        ("densify design.toml A 1 7", 9 + 6 + 6),
-        ("stiffer design.toml A A1-A5", 9 + 6 + 6 + 4),
-        ("softer design.toml A 2", 9 + 6 + 4),
-        ("length design.toml A 0 x1.05", 19),
-        ("layers design.toml A +1", 19 + 4),
-        ("move-point design.toml A A1 2 0", 23),
+        ("densify design.toml A 1 7", 21),
+        ("stiffer design.toml A A1-A6", 26),
+        ("softer design.toml A 2 3", 21),
+        ("length design.toml A 0 x1.05", 21),
+        ("layers design.toml A +1", 25),
+        ("move-point design.toml A A1 2 0", 25),
     ] {
-        let (code, out, err) = desk.run(&format!("design {command}"));
-        if code != 0 {
-            // Numbers in the middle of the list are the program's; only what is refused must leave no trace.
-            assert_eq!((code, desk.text("design.toml")), (1, texts[texts.len() - 1].clone()), "{command}: {err}");
-            continue;
-        }
+        let out = desk.done(&format!("design {command}"));
         assert!(out.contains("is now edit") && out.contains("strip"), "{out}");
         texts.push(desk.text("design.toml"));
         assert!(texts[texts.len() - 1].starts_with(&texts[0]), "comments stay: {}", texts[texts.len() - 1]);
         assert_eq!(count(&desk.show("design.toml")), sections, "{command}");
     }
-    assert!(texts.len() > 5, "{} of 6 commands went through", texts.len() - 1);
     while texts.len() > 1 {
         texts.pop();
         assert!(desk.done("design undo design.toml").contains("took back"));
