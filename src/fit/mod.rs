@@ -3,7 +3,7 @@
 mod descent;
 mod edits;
 mod faces;
-mod filling;
+mod field;
 mod merit;
 mod paper;
 mod report;

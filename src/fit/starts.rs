@@ -11,7 +11,12 @@ pub(super) struct Start {
 }
 
 /// Layerings that are tried, in this order. Outlines differ in which they like (measured over eleven of them).
-const LAYERINGS: [Layering; 4] = [
+const LAYERINGS: [Layering; 9] = [
+    Layering::Chords { aspect: 0.18 },
+    Layering::Chords { aspect: 0.22 },
+    Layering::Chords { aspect: 0.45 },
+    Layering::Packed { min_aspect: 0.0 },
+    Layering::Packed { min_aspect: 0.30 },
     Layering::Chords { aspect: 0.35 },
     Layering::Packed { min_aspect: 0.16 },
     Layering::Packed { min_aspect: 0.22 },
