@@ -15,7 +15,7 @@ const CELLS_IN_BLUR: f64 = 2.0;
 /// The grid goes on for this share of the outline's size around it. Beyond, the field is what it is at the edge of the grid.
 const AROUND: f64 = 0.3;
 /// Points at which each side of a border is sampled.
-const SAMPLES: usize = 10;
+const SAMPLES: usize = 24;
 /// Sides of the outline that lie this near to the floor, as a share of the size, are no border: the strip is meant to lie there.
 const ON_FLOOR: f64 = 1e-3;
 
@@ -134,7 +134,7 @@ mod tests {
         let loops = |points: &[(f64, f64)]| points.iter().map(|(x, y)| P2::new(*x, *y)).collect::<Vec<P2>>();
         Outline {
             outer: loops(&[(-9.0, 0.0), (61.0, 0.0), (57.0, 80.0), (30.0, 40.0), (-12.0, 75.0)]),
-            holes: vec![loops(&[(20.0, 10.0), (20.0, 20.0), (35.0, 20.0), (35.0, 10.0)])],
+            holes: vec![loops(&[(20.0, 10.0), (23.0, 24.0), (36.0, 20.0), (33.0, 6.0)])],
         }
     }
 

@@ -275,8 +275,10 @@ fn widths(spans: &[Span]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::geom::{P2, P3, V3};
-    use crate::progress::Warning;
-    use crate::ruffle::{EditSettings, Limits, densify};
+    use crate::progress::{Progress, Warning};
+    use crate::ruffle::{Drawn, EditSettings, Limits, densify};
+    use crate::sim::Outcome;
+    use std::ops::ControlFlow;
 
     fn frame() -> PlaneFrame {
         PlaneFrame { origin: P3::origin(), u: V3::x(), v: V3::y(), normal: V3::z() }

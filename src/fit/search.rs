@@ -15,13 +15,16 @@ use std::ops::ControlFlow;
 /// Springs hold the joints near their drawing while lengths are first found, and are then let go in stages: stiffness against D w / R³, the force it takes to move a
 /// typical loop. Straight from the drawing a free stack drops sideways.
 const HOLDS: [f64; 3] = [2.0, 0.2, 0.04];
+/// Springs on the way to none, with the lengths as they are: let go at once, a strip that would stand swings over.
+const LETTING_GO: [f64; 3] = [0.01, 0.0025, 0.0];
 /// Radius of a typical loop, as a share of the outline's size.
 const LOOP_SHARE: f64 = 0.15;
 /// What a joint's distance from its drawing costs while it is held, over all joints: 5 mm² a square millimetre.
 const HOLD_COST: f64 = 5.0;
 /// Share of the effort that goes into each stage that holds.
 const HELD_SHARE: f64 = 0.12;
-/// Held strips that are let go, the most promising first.
+/// Held strips that are held less and less, and those of them that are let go, the most promising first.
+const LOOSENED: usize = 5;
 const RELEASED: usize = 3;
 /// Sections keep at least this share of the length they were drawn with, and at most so many times that and 10 mm: no layer collapses, none takes over.
 const SHORTEST: f64 = 0.45;
@@ -61,7 +64,8 @@ pub(super) fn search(
         Foot::Free => &[FootUsed::Free],
         Foot::Pinned => &[FootUsed::Pinned],
     };
-    let total = ((starts.len() + RELEASED.min(starts.len())) * feet.len()) as u64;
+    let most = |count: usize| count.min(starts.len());
+    let total = ((starts.len() + most(LOOSENED) + most(RELEASED)) * feet.len()) as u64;
     let spent = Spent::default();
     let field = Field::new(target.outline, settings.protrusion_weight);
     let mut search =
@@ -86,11 +90,22 @@ impl<'a> Search<'a> {
                 return Ok(());
             }
             if let Some(shape) = self.held(start, foot)? {
-                held.push((shape, start));
+                if self.stopped {
+                    let mut shape = shape;
+                    self.loosen(&mut shape, start)?;
+                    self.release(shape, start)?;
+                } else {
+                    held.push((shape, start));
+                }
             }
             self.done += 1;
         }
-        held.sort_by(|(a, _), (b, _)| a.cost.total_cmp(&b.cost));
+        best_first(&mut held, LOOSENED);
+        for (shape, start) in &mut held {
+            self.loosen(shape, start)?;
+            self.done += 1;
+        }
+        best_first(&mut held, LOOSENED);
         let mut released = 0;
         for (shape, start) in held {
             if self.is_over() || released >= RELEASED {
@@ -107,35 +122,48 @@ impl<'a> Search<'a> {
         self.stopped && self.best.is_some()
     }
 
-    /// Lets one drawing settle and finds its lengths while springs hold its joints, ever weaker.
+    /// Lets one drawing settle and finds its lengths while springs hold its joints firmly.
     fn held(&mut self, start: &Start, foot: FootUsed) -> Result<Option<Shape<'a>>, Error> {
         let (target, settings) = (self.target, self.settings);
-        let spans = target.extruder.spans(&start.drawn.ruffle, &start.drawn.positions);
-        let mean_width_mm = spans.iter().map(|s| s.width()).sum::<f64>() / spans.len() as f64;
-        let loop_mm = LOOP_SHARE * target.outline.area().sqrt();
-        let unit_n_per_mm = target.material.flexural_rigidity_n_mm * mean_width_mm / loop_mm.powi(3);
+        let hold_n_per_mm = self.hold_n_per_mm(start) * HOLDS[0];
         let field = self.field.clone();
-        let first = HOLDS[0] * unit_n_per_mm;
-        let settled = Shape::settled(target, settings, &start.drawn, foot, &field, first, &mut Inner(self))?;
+        let settled = Shape::settled(target, settings, &start.drawn, foot, &field, hold_n_per_mm, &mut Inner(self))?;
         let Some(mut shape) = settled else { return Ok(None) };
         shape.pull.cost = HOLD_COST / shape.pull.targets.len().max(1) as f64;
         shape.look();
-        for (stage, hold) in HOLDS.iter().enumerate() {
-            if stage > 0 && !shape.hold(hold * unit_n_per_mm, &mut Inner(self))? {
+        self.descend(&mut shape, start, HELD_SHARE, false)?;
+        Ok(Some(shape))
+    }
+
+    /// Holds the joints less and less, finding lengths each time, until only what the shape itself is worth counts.
+    fn loosen(&mut self, shape: &mut Shape<'a>, start: &Start) -> Result<(), Error> {
+        for hold in &HOLDS[1..] {
+            if self.stopped || !shape.hold(hold * self.hold_n_per_mm(start), &mut Inner(self))? {
                 break;
             }
-            self.descend(&mut shape, start, HELD_SHARE, false)?;
+            self.descend(shape, start, HELD_SHARE, false)?;
         }
         shape.pull.cost = 0.0;
         shape.look();
-        self.count(&mut shape);
-        Ok(Some(shape))
+        self.count(shape);
+        Ok(())
+    }
+
+    /// The force that moves a typical loop of a start by its own size, over that, N/mm.
+    fn hold_n_per_mm(&self, start: &Start) -> f64 {
+        let target = self.target;
+        let spans = target.extruder.spans(&start.drawn.ruffle, &start.drawn.positions);
+        let mean_width_mm = spans.iter().map(|s| s.width()).sum::<f64>() / spans.len() as f64;
+        let loop_mm = LOOP_SHARE * target.outline.area().sqrt();
+        target.material.flexural_rigidity_n_mm * mean_width_mm / loop_mm.powi(3)
     }
 
     /// Lets go of a held strip and finds its lengths; false where it falls.
     fn release(&mut self, mut shape: Shape<'a>, start: &Start) -> Result<bool, Error> {
-        if !shape.hold(0.0, &mut Inner(self))? {
-            return Ok(false);
+        for hold in LETTING_GO {
+            if !shape.hold(hold * self.hold_n_per_mm(start), &mut Inner(self))? {
+                return Ok(false);
+            }
         }
         match self.settings.method {
             Method::Adjoint => self.descend(&mut shape, start, 1.0 - HELD_SHARE * HOLDS.len() as f64, true)?,
@@ -206,18 +234,6 @@ impl<'a> Search<'a> {
         let origin = Origin { foot: shape.foot, direction: start.direction, spent: self.spent };
         let part = part(target, shape.ruffle.clone(), spans, equilibrium, origin);
         let score = score(&part, settings);
-        if std::env::var("FITLOG").is_ok() {
-            eprintln!(
-                "     score {:.3} unc {:.1} prot {:.2} thin {:.1} void {:.1} radius {:.1} stands {}",
-                score,
-                100.0 * part.report.uncovered_fraction,
-                100.0 * part.report.protruding_fraction,
-                part.report.thinnest_layer_mm,
-                part.report.min_void_mm,
-                part.report.min_radius_mm,
-                part.report.stands
-            );
-        }
         if self.best.as_ref().is_none_or(|b| score < b.score) {
             self.best = Some(Candidate { part, score });
         }
@@ -229,6 +245,12 @@ impl<'a> Search<'a> {
         let note = self.best.as_ref().map_or(String::new(), filled);
         self.observer.step(Progress { stage: "filling", done: self.done, total: self.total, note })
     }
+}
+
+/// Leaves the `count` cheapest shapes, the cheapest first.
+fn best_first(shapes: &mut Vec<(Shape, &Start)>, count: usize) {
+    shapes.sort_by(|(a, _), (b, _)| a.cost.total_cmp(&b.cost));
+    shapes.truncate(count);
 }
 
 /// How far a part is from full and easy to make, as a share of the outline.
@@ -266,7 +288,7 @@ struct Inner<'s, 'a>(&'s mut Search<'a>);
 
 impl Observer for Inner<'_, '_> {
     fn step(&mut self, progress: Progress) -> ControlFlow<()> {
-        if progress.done == 0 && self.0.report_progress().is_break() {
+        if progress.done == 0 && !self.0.stopped && self.0.report_progress().is_break() {
             self.0.stopped = true;
         }
         if self.0.stopped && self.0.best.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

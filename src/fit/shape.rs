@@ -11,7 +11,7 @@ use crate::sim::{self, Outcome, Solver};
 use nalgebra::DMatrix;
 
 /// Newton steps that a change of lengths may take to come to rest; one that takes more has thrown the strip over.
-const WARM_STEPS: usize = 60;
+const WARM_STEPS: usize = 30;
 /// Newton steps that a drawing may take.
 const COLD_STEPS: usize = 300;
 /// Unbalanced force at which a shape is judged, N: a tenth of a percent of the weight of a short section. The shape that is kept is solved to the end.
@@ -110,14 +110,14 @@ impl<'a> Shape<'a> {
         let spans = self.target.extruder.spans(&self.ruffle, &self.x);
         self.solver.measure(&self.ruffle, &widths(&spans)).map_err(|e| self.error(e))?;
         let start = self.x.clone();
-        let Some(x) = self.rest(&start, observer)? else { return Ok(false) };
+        let Some(x) = self.rest(&start, COLD_STEPS, observer)? else { return Ok(false) };
         (self.x, self.spans) = (x, spans);
         self.look();
         Ok(true)
     }
 
-    fn rest(&mut self, start: &[P2], observer: &mut dyn Observer) -> Result<Option<Vec<P2>>, Error> {
-        let e = match self.solver.solve(start, &mut Limited { observer, left: WARM_STEPS }) {
+    fn rest(&mut self, start: &[P2], steps: usize, observer: &mut dyn Observer) -> Result<Option<Vec<P2>>, Error> {
+        let e = match self.solver.solve(start, &mut Limited { observer, left: steps }) {
             Err(sim::Error::Crossed { .. }) => return Ok(None),
             solved => solved.map_err(|e| self.error(e))?,
         };
@@ -181,7 +181,7 @@ impl<'a> Shape<'a> {
             predicted => predicted.map_err(|e| self.error(e))?,
         };
         start.iter_mut().for_each(|p| p.x += shift_mm);
-        if let Some(x) = self.rest(&start, observer)? {
+        if let Some(x) = self.rest(&start, WARM_STEPS, observer)? {
             let before = std::mem::replace(&mut self.x, x);
             let ruffle_before = std::mem::replace(&mut self.ruffle, ruffle);
             let slopes_before = self.slopes.clone();
