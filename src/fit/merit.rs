@@ -2,14 +2,14 @@
 
 use super::Settings;
 use super::faces::{Faces, add_doubled_area_slope, doubled_area};
-use super::filling::{Filling, Region};
+use super::field::Field;
 use crate::geom::{P2, V2, convex_hull, cross};
 use crate::ruffle::{Node, Ruffle};
 
 /// A room of no thickness costs this share of the outline's area. Coverage does not see the inside: without it layers that have collapsed count as full.
 const THIN_COST: f64 = 0.06;
 /// Rooms are kept thicker than this share of the void that tools need: a little more, since the cost must bite before the limit is reached.
-const THIN_MARGIN: f64 = 1.15;
+const THIN_MARGIN: f64 = 1.0;
 /// A bend twice as tight as the material takes, over one segment in a hundred, costs this share of the outline's area.
 const BEND_COST: f64 = 0.5;
 const BEND_MARGIN: f64 = 1.1;
@@ -17,9 +17,8 @@ const BEND_MARGIN: f64 = 1.1;
 /// Judges the shapes of one strip. Costs are areas in mm².
 #[derive(Debug, Clone)]
 pub(super) struct Judge {
-    region: Region,
+    field: Field,
     pub faces: Faces,
-    protrusion_weight: f64,
     room_mm: f64,
     radius_mm: f64,
 }
@@ -32,29 +31,23 @@ pub(super) struct Pull {
 }
 
 impl Judge {
-    pub fn new(region: Region, faces: Faces, settings: &Settings) -> Judge {
+    pub fn new(field: Field, faces: Faces, settings: &Settings) -> Judge {
         Judge {
-            region,
+            field,
             faces,
-            protrusion_weight: settings.protrusion_weight,
             room_mm: THIN_MARGIN * settings.min_void_mm,
             radius_mm: BEND_MARGIN * settings.min_bend_radius_mm,
         }
     }
 
-    /// How well the outline is filled.
-    pub fn filling(&self, x: &[P2]) -> Filling {
-        self.region.filling(&self.faces.border, x)
-    }
-
     pub fn area_mm2(&self) -> f64 {
-        self.region.area_mm2
+        self.field.area_mm2
     }
 
     /// Cost of a shape; its change per mm that each node moves goes into `slopes`.
     pub fn cost(&self, ruffle: &Ruffle, x: &[P2], pull: &Pull, slopes: &mut [V2]) -> f64 {
         slopes.fill(V2::zeros());
-        let mut cost = self.region.shortfall(&self.faces.border, x, self.protrusion_weight, slopes);
+        let mut cost = self.field.shortfall(&self.faces.border, x, slopes);
         for (node, target) in &pull.targets {
             let away = x[node.index()] - target;
             cost += pull.cost * away.norm_squared();
@@ -68,7 +61,7 @@ impl Judge {
         if self.room_mm <= 0.0 {
             return 0.0;
         }
-        let whole = THIN_COST * self.region.area_mm2;
+        let whole = THIN_COST * self.field.area_mm2;
         let mut cost = 0.0;
         for room in &self.faces.rooms {
             let doubled = doubled_area(room, x);
@@ -88,7 +81,7 @@ impl Judge {
         if self.radius_mm <= 0.0 {
             return 0.0;
         }
-        let whole = BEND_COST * self.region.area_mm2 / (0.01 * ruffle.walk.len() as f64);
+        let whole = BEND_COST * self.field.area_mm2 / (0.01 * ruffle.walk.len() as f64);
         let mut cost = 0.0;
         for k in 1..ruffle.rest_lengths.len() {
             let [i, j, l] = [k - 1, k, k + 1].map(|k| ruffle.at(k));

@@ -3,7 +3,7 @@
 mod descent;
 mod edits;
 mod faces;
-mod filling;
+mod field;
 mod given;
 mod merit;
 mod paper;

@@ -1,6 +1,6 @@
 //! A strip at rest whose lengths are being changed: every change is predicted, solved and judged before it is kept.
 
-use super::filling::Region;
+use super::field::Field;
 use super::merit::{Judge, Pull};
 use super::{Error, FootUsed, MAX_STRAIN, Settings, Target, faces::Faces, solver, widths};
 use crate::extrude::Span;
@@ -8,13 +8,17 @@ use crate::geom::{P2, V2};
 use crate::progress::Observer;
 use crate::ruffle::{Drawn, Node, Ruffle};
 use crate::sim::{self, Outcome, Solver};
+use nalgebra::DMatrix;
 
 /// Newton steps that a change of lengths may take to come to rest; one that takes more has thrown the strip over.
-const WARM_STEPS: usize = 60;
+const WARM_STEPS: usize = 30;
 /// Newton steps that a drawing may take.
 const COLD_STEPS: usize = 300;
 /// Unbalanced force at which a shape is judged, N: a tenth of a percent of the weight of a short section. The shape that is kept is solved to the end.
 const JUDGED_RESIDUAL_N: f64 = 1e-5;
+
+/// What moving a node inside counts against moving one on the border, when shapes are compared.
+const INSIDE_WEIGHT: f64 = 0.1;
 
 /// A strip at rest.
 pub(super) struct Shape<'a> {
@@ -47,6 +51,7 @@ impl<'a> Shape<'a> {
         settings: &'a Settings,
         drawn: &Drawn,
         foot: FootUsed,
+        field: &Field,
         hold_n_per_mm: f64,
         observer: &mut dyn Observer,
     ) -> Result<Option<Shape<'a>>, Error> {
@@ -77,7 +82,7 @@ impl<'a> Shape<'a> {
             return Ok(None);
         }
         let faces = Faces::of(&drawn.ruffle, &e.positions);
-        let judge = Judge::new(Region::new(target.outline), faces, settings);
+        let judge = Judge::new(field.clone(), faces, settings);
         let spent = Spent { solves: 1, steps: e.iterations };
         let slopes = vec![V2::zeros(); e.positions.len()];
         let ruffle = drawn.ruffle.clone();
@@ -105,14 +110,14 @@ impl<'a> Shape<'a> {
         let spans = self.target.extruder.spans(&self.ruffle, &self.x);
         self.solver.measure(&self.ruffle, &widths(&spans)).map_err(|e| self.error(e))?;
         let start = self.x.clone();
-        let Some(x) = self.rest(&start, observer)? else { return Ok(false) };
+        let Some(x) = self.rest(&start, COLD_STEPS, observer)? else { return Ok(false) };
         (self.x, self.spans) = (x, spans);
         self.look();
         Ok(true)
     }
 
-    fn rest(&mut self, start: &[P2], observer: &mut dyn Observer) -> Result<Option<Vec<P2>>, Error> {
-        let e = match self.solver.solve(start, &mut Limited { observer, left: WARM_STEPS }) {
+    fn rest(&mut self, start: &[P2], steps: usize, observer: &mut dyn Observer) -> Result<Option<Vec<P2>>, Error> {
+        let e = match self.solver.solve(start, &mut Limited { observer, left: steps }) {
             Err(sim::Error::Crossed { .. }) => return Ok(None),
             solved => solved.map_err(|e| self.error(e))?,
         };
@@ -135,6 +140,29 @@ impl<'a> Shape<'a> {
         Ok(Some((lengths, self.slopes.iter().map(|s| s.x).sum())))
     }
 
+    /// How far the nodes move when the length of every section changes, or the whole shifts to the right, as the sums over nodes of the products of any two such moves
+    /// (mm² per mm²): by how much a step in lengths changes the shape. Nodes on the border count whole, those inside a little.
+    pub fn metric(&mut self) -> Result<Option<DMatrix<f64>>, Error> {
+        let count = self.ruffle.sections.len();
+        let by_section = |s: usize| {
+            let long = self.ruffle.section_length(s);
+            let mut by_mm = vec![0.0; self.ruffle.rest_lengths.len()];
+            self.ruffle.sections[s].segments().for_each(|k| by_mm[k] = self.ruffle.rest_lengths[k] / long);
+            by_mm
+        };
+        let changes: Vec<Vec<f64>> = (0..count).map(by_section).collect();
+        let moves = self.solver.tangents(&self.x, &changes).map_err(|e| self.error(e))?;
+        let Some(moves) = moves else { return Ok(None) };
+        let mut weights = vec![INSIDE_WEIGHT; self.x.len()];
+        self.judge.faces.border.iter().for_each(|node| weights[*node] = 1.0);
+        let moves = DMatrix::from_fn(2 * self.x.len(), count + 1, |row, column| {
+            let weight = weights[row / 2].sqrt();
+            let shifted = if row % 2 == 0 { 1.0 } else { 0.0 };
+            weight * moves.get(column).map_or(shifted, |m| m[row / 2][row % 2])
+        });
+        Ok(Some(moves.tr_mul(&moves)))
+    }
+
     /// Tries other section lengths (mm) and a shift to the right. Where the strip comes to rest at a cost of at most `limit`, the shape becomes that one.
     pub fn take(
         &mut self,
@@ -153,7 +181,7 @@ impl<'a> Shape<'a> {
             predicted => predicted.map_err(|e| self.error(e))?,
         };
         start.iter_mut().for_each(|p| p.x += shift_mm);
-        if let Some(x) = self.rest(&start, observer)? {
+        if let Some(x) = self.rest(&start, WARM_STEPS, observer)? {
             let before = std::mem::replace(&mut self.x, x);
             let ruffle_before = std::mem::replace(&mut self.ruffle, ruffle);
             let slopes_before = self.slopes.clone();

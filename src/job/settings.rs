@@ -127,11 +127,12 @@ impl Setup {
             },
             min_bend_radius_mm: self.profile.min_bend_radius_mm,
             min_void_mm: self.profile.min_void_mm,
+            min_section_mm: self.joint().min_section_mm(),
             ..fit::Settings::default()
         };
         settings.stack.layers = part.layers;
-        // A loop of height h bends to about h / 3 where it is tightest, and its diagonal leaves voids of about h / 2.
-        let makeable = (3.0 * self.profile.min_bend_radius_mm).max(2.0 * self.profile.min_void_mm);
+        // A loop of height h bends to about h / 2.6 where it is tightest, and its diagonal leaves voids of about h / 1.9.
+        let makeable = (2.6 * self.profile.min_bend_radius_mm).max(1.65 * self.profile.min_void_mm);
         settings.stack.min_layer_mm = settings.stack.min_layer_mm.max(makeable);
         settings.stack.max_layer_mm = settings.stack.max_layer_mm.max(makeable);
         settings

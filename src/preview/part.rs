@@ -72,12 +72,13 @@ fn draw_rulers(canvas: &mut Canvas, picture: &Rect, unit: f64) {
         numbers.map(move |k| k as f64 * step)
     };
     for u in marks(picture.min.x, picture.max.x) {
-        let low = P2::new(u, picture.min.y);
+        let low = P2::new(u, picture.min.y + tick);
         canvas.polyline(&[low, low + V2::new(0.0, tick)], stroke);
         let (at, text) = (low + V2::new(0.0, 1.4 * tick), svg_number(u));
         canvas.text(Text { at, align: Align::Middle, height_mm, colour: Colour::GREY, text: &text });
     }
-    for v in marks(picture.min.y, picture.max.y) {
+    // The floor line shows where v = 0 is.
+    for v in marks(picture.min.y, picture.max.y).filter(|v| *v != 0.0) {
         let left = P2::new(picture.min.x, v);
         canvas.polyline(&[left, left + V2::new(tick, 0.0)], stroke);
         let (at, text) = (left + V2::new(1.4 * tick, -0.5 * height_mm), svg_number(v));

@@ -1,6 +1,7 @@
 //! Which way layers lie on each other, by straightening the outline: what is drawn upward in the straightened one is put back where it belongs.
 
 use super::StackError;
+use super::centreline::Centreline;
 use crate::cut::Outline;
 use crate::geom::P2;
 use serde::{Deserialize, Serialize};
@@ -36,7 +37,10 @@ pub(super) fn unrolled(outline: &Outline, direction: Direction) -> Result<Unroll
             let outline = Outline { outer: turned(&outline.outer), holes: outline.holes.iter().map(turned).collect() };
             Unrolled { outline, place: Box::new(swapped) }
         }
-        Direction::AlongCurve => return Err(StackError::NoCurve),
+        Direction::AlongCurve => {
+            let line = Centreline::of(outline).ok_or(StackError::NoCurve)?;
+            Unrolled { outline: line.straightened(outline), place: Box::new(move |p| line.place(p)) }
+        }
     })
 }
 
@@ -45,6 +49,9 @@ pub(super) fn unrolled(outline: &Outline, direction: Direction) -> Result<Unroll
 ///
 /// Measured over eleven outlines: horizontal where the bounding box is wider than 1.7 times its height and the outline at least half as high over most of its length.
 pub fn suited_direction(outline: &Outline) -> Direction {
+    if Centreline::of(outline).is_some_and(|line| line.is_bow()) {
+        return Direction::AlongCurve;
+    }
     let bounds = outline.bounds();
     if bounds.width() <= WIDE * bounds.height() {
         return Direction::Vertical;

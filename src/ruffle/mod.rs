@@ -3,6 +3,7 @@
 //! A ruffle holds no positions; those live in an equilibrium. It is a walk over node ids: wherever the walk meets a node it has met
 //! before (or ends on one), the strip touches itself there, and that node is a connection point.
 
+mod centreline;
 mod check;
 mod chords;
 mod coarser;

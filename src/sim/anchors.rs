@@ -101,7 +101,7 @@ mod tests {
             away(&e.positions)
         };
         let (free, loosely, firmly) = (rest(0.0), rest(0.003), rest(10.0));
-        assert!(firmly < 0.1 && firmly < loosely && loosely < free, "{firmly} {loosely} {free}");
+        assert!(firmly < 0.3 && firmly < loosely && loosely < free, "{firmly} {loosely} {free}");
     }
 
     #[test]

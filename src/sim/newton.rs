@@ -210,16 +210,19 @@ impl System {
 
     /// Works out the direction of a step from `x`; false when the Hessian is not positive definite.
     fn newton_direction(&mut self, x: &[P2], convex: bool, damping_n_per_mm: f64) -> bool {
-        let Scratch { gradient, direction, hessian, fixed, .. } = &mut self.scratch;
+        let Scratch { hessian, fixed, .. } = &mut self.scratch;
         self.model.hessian(x, convex, hessian);
         self.contacts.add_hessian(x, convex, self.factorisation.pattern(), hessian);
         self.plate.add_hessian(x, self.factorisation.pattern(), hessian);
         self.anchors.add_hessian(self.factorisation.pattern(), hessian);
         self.factorisation.pattern().damp(hessian, damping_n_per_mm);
         self.factorisation.pattern().fix(hessian, fixed);
-        if !self.factorisation.factor(hessian) {
-            return false;
-        }
+        self.factorisation.factor(hessian) && self.solve_direction(x)
+    }
+
+    /// Works out the direction against the gradient with the factor there is; false where it is not finite.
+    fn solve_direction(&mut self, x: &[P2]) -> bool {
+        let Scratch { gradient, direction, fixed, .. } = &mut self.scratch;
         for (unknown, d) in direction.iter_mut().enumerate() {
             *d = if fixed[unknown] { 0.0 } else { -gradient[unknown] };
         }
@@ -243,13 +246,22 @@ impl System {
         room.max(1.0)
     }
 
-    /// How the state of rest `x` answers a change of its gradient (N per unknown): minus the inverse of the exact Hessian, mm per unknown. Nothing where that is not
-    /// positive definite.
-    pub fn response(&mut self, x: &[P2], change: &[f64]) -> Result<Option<Vec<f64>>, Error> {
+    /// How the state of rest `x` answers changes of its gradient (N per unknown): minus the inverse of the exact Hessian, mm per unknown, for each of them. Nothing where that
+    /// is not positive definite.
+    pub fn responses(&mut self, x: &[P2], changes: &[Vec<f64>]) -> Result<Option<Vec<Vec<f64>>>, Error> {
         self.make_room(x)?;
         self.balance(x);
-        self.scratch.gradient.copy_from_slice(change);
-        Ok(self.newton_direction(x, false, 0.0).then(|| self.scratch.direction.clone()))
+        let mut responses = Vec::with_capacity(changes.len());
+        for change in changes {
+            self.scratch.gradient.copy_from_slice(change);
+            let solved =
+                if responses.is_empty() { self.newton_direction(x, false, 0.0) } else { self.solve_direction(x) };
+            if !solved {
+                return Ok(None);
+            }
+            responses.push(self.scratch.direction.clone());
+        }
+        Ok(Some(responses))
     }
 
     /// Follows `moves` (mm per node) from `x`, turning instead of stretching, and through nothing.

@@ -59,15 +59,29 @@ impl Solver {
     /// # Errors
     /// Positions or lengths that do not match the ruffle, or a strip that passes through itself.
     pub fn tangent(&mut self, x: &[P2], by_mm: &[f64]) -> Result<Option<Vec<V2>>, Error> {
+        let moves = self.tangents(x, &[by_mm.to_vec()])?;
+        Ok(moves.and_then(|mut moves| moves.pop()))
+    }
+
+    /// As [`Solver::tangent`] for several changes of the lengths, with one factorisation.
+    ///
+    /// # Errors
+    /// As [`Solver::tangent`].
+    pub fn tangents(&mut self, x: &[P2], changes: &[Vec<f64>]) -> Result<Option<Vec<Vec<V2>>>, Error> {
         let expected = self.ruffle.rest_lengths.len();
-        if by_mm.len() != expected {
+        if let Some(by_mm) = changes.iter().find(|by_mm| by_mm.len() != expected) {
             return Err(Error::Count { what: "changes of rest lengths", found: by_mm.len(), expected });
         }
         self.residual_n(x)?;
-        let mut change = vec![0.0; 2 * x.len()];
-        self.system.model.gradient_by_lengths(x, by_mm, &mut change);
-        let moves = self.system.response(x, &change)?;
-        Ok(moves.map(|d| d.chunks_exact(2).map(|d| V2::new(d[0], d[1])).collect()))
+        let by_lengths = |by_mm: &Vec<f64>| {
+            let mut change = vec![0.0; 2 * x.len()];
+            self.system.model.gradient_by_lengths(x, by_mm, &mut change);
+            change
+        };
+        let changes: Vec<Vec<f64>> = changes.iter().map(by_lengths).collect();
+        let moves = self.system.responses(x, &changes)?;
+        let nodes = |d: &Vec<f64>| d.chunks_exact(2).map(|d| V2::new(d[0], d[1])).collect();
+        Ok(moves.map(|moves| moves.iter().map(nodes).collect()))
     }
 
     /// How a figure of merit changes with the rest length of every segment (per mm), when the strip comes to rest again each time, to first order. `slopes` says how it
@@ -82,10 +96,10 @@ impl Solver {
         }
         self.residual_n(x)?;
         let slopes: Vec<f64> = slopes.iter().flat_map(|s| [s.x, s.y]).collect();
-        let moves = self.system.response(x, &slopes)?;
+        let moves = self.system.responses(x, &[slopes])?;
         Ok(moves.map(|moves| {
             let mut sums = vec![0.0; self.ruffle.rest_lengths.len()];
-            self.system.model.lengths_by_gradient(x, &moves, &mut sums);
+            self.system.model.lengths_by_gradient(x, &moves[0], &mut sums);
             sums
         }))
     }

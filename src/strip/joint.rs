@@ -50,6 +50,11 @@ impl Joint {
         self.neck_length_mm + self.head_length_mm
     }
 
+    /// Shortest stretch of strip between two joints, mm: a flap from one end, the slit of the other, and the distance between their cuts.
+    pub fn min_section_mm(&self) -> f64 {
+        self.reach_mm() + self.slit_ahead_mm + self.cut_distance_mm
+    }
+
     /// How far the neck can shift in its slit, mm.
     pub fn play_mm(&self) -> f64 {
         self.slit_length_mm - self.neck_mm
