@@ -6,6 +6,12 @@ mod beam;
 mod bench;
 #[path = "emulator/faults.rs"]
 mod faults;
+#[path = "emulator/kin.rs"]
+mod kin;
+#[path = "emulator/memory.rs"]
+mod memory;
+#[path = "emulator/probing.rs"]
+mod probing;
 #[path = "emulator/states.rs"]
 mod states;
 #[path = "emulator/transcript.rs"]

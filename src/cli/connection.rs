@@ -1,45 +1,79 @@
 //! What all commands that talk to a board begin with: open the port, ask the board what it is.
 
+use std::io::IsTerminal;
 use std::time::Duration;
 
-use super::{Exit, Failure};
+use super::{Exit, Failure, output};
 use crate::config::Machine;
-use crate::stream::{Address, Board, Event, Link, Settings, State, Status};
+use crate::stream::{Address, Board, Command, Event, Link, Settings, State, Status, Trouble};
 
 /// How long to wait for one event before looking again.
 pub(super) const EVENT_WAIT: Duration = Duration::from_millis(200);
 
 /// How long a board may take to be asked everything: 3 s for a banner, 2 s for a probe, the answers.
-const READY_WAIT_S: f64 = 15.0;
+pub(super) const READY_WAIT_S: f64 = 15.0;
 
-/// Opens the port a machine's board hangs on.
-pub(super) fn open(port: &str, machine: &Machine) -> Result<Link, Failure> {
-    let port = Address::parse(port).open(machine.controller.baud).map_err(machine_failure)?;
+/// Where work zero lies is told in the first report after a start and then in every tenth at rest (GRBL's config.h): a board that was not reset by
+/// opening the port is asked so often for it.
+const ZERO_REPORTS: usize = 12;
+
+/// What most one-shot commands need to know to reach a board.
+#[derive(Debug, clap::Args)]
+pub(super) struct Where {
+    /// Machine it drives (see `furbelow machine list`), or a path
+    #[arg(short, long)]
+    pub(super) machine: String,
+    /// Where its board hangs (see `furbelow ports`): a device, tcp:HOST[:PORT], or emulator (emulator:50x runs 50 times as fast)
+    #[arg(long)]
+    pub(super) port: String,
+}
+
+/// Opens the port a board hangs on.
+pub(super) fn open_at(port: &str, baud: u32) -> Result<Link, Failure> {
+    let port = Address::parse(port).open(baud).map_err(machine_failure)?;
     Ok(Link::start(port, Settings::default()))
 }
 
-/// Waits until the board has answered all questions: what it is, and its first report, whatever state that tells.
-pub(super) fn wait_until_ready(link: &Link) -> Result<(Board, Status), Failure> {
+/// Waits until the board has answered all questions: what it is, and a report that says where work zero lies, whatever state it tells.
+/// `answers` takes what it said to the questions. A board that is silent after an alarm is reset once, where that is allowed.
+pub(super) fn wait_until_asked(
+    link: &Link,
+    answers: &mut Vec<String>,
+    mut may_reset: bool,
+) -> Result<(Board, Status), Failure> {
     let mut ready = None;
+    let mut reports = 0;
     let mut waited_s = 0.0;
     while waited_s < READY_WAIT_S {
         match link.next(EVENT_WAIT) {
             None => waited_s += EVENT_WAIT.as_secs_f64(),
             Some((_, Event::Ready(board))) => ready = Some(board),
+            Some((_, Event::Text(text))) => answers.push(text),
+            Some((_, Event::Trouble(Trouble::Silent(_)))) if std::mem::take(&mut may_reset) => {
+                answers.clear();
+                link.command(Command::Reset);
+            }
             Some((_, Event::Trouble(trouble))) => return Err(machine_failure(trouble)),
             Some((_, Event::Status(status, _))) => {
+                reports += usize::from(ready.is_some());
+                let known = offset(&status);
+                if known.is_none() && reports < ZERO_REPORTS {
+                    continue;
+                }
                 let Some(mut board) = ready.take() else { continue };
-                // Work zero comes with some reports only, the first among them.
-                board.offset_mm = match (status.machine_mm, status.work_mm) {
-                    (Some(machine), Some(work)) => Some(std::array::from_fn(|k| machine[k] - work[k])),
-                    _ => board.offset_mm,
-                };
+                board.offset_mm = known.or(board.offset_mm);
                 return Ok((board, status));
             }
             Some(_) => {}
         }
     }
     Err(failed("the board does not answer as GRBL does: wrong port, or wrong baud in the machine file"))
+}
+
+/// Where work zero lies in machine coordinates, mm, when a report tells.
+pub(super) fn offset(status: &Status) -> Option<[f64; 3]> {
+    let (machine, work) = (status.machine_mm?, status.work_mm?);
+    Some(std::array::from_fn(|k| machine[k] - work[k]))
 }
 
 /// An error unless the machine is idle.
@@ -52,6 +86,20 @@ pub(super) fn require_idle(status: &Status) -> Result<(), Failure> {
     }
 }
 
+/// Has the setup checklist ticked off by somebody at the terminal.
+///
+/// # Errors
+/// Nobody is there.
+pub(super) fn confirm(machine: &Machine) -> Result<(), Failure> {
+    output::checklist(&machine.setup)?;
+    if !std::io::stdin().is_terminal() {
+        return Err(Failure::config("nobody is there to tick the checklist off; give --yes when it is done"));
+    }
+    output::line("all done? Enter starts the machine, Ctrl-C leaves it alone")?;
+    std::io::stdin().read_line(&mut String::new())?;
+    Ok(())
+}
+
 /// Ends the command with the exit code of machine errors.
 pub(super) fn machine_failure(source: impl std::error::Error + Send + Sync + 'static) -> Failure {
     Failure { exit: Exit::Machine, source: source.into() }
@@ -60,4 +108,9 @@ pub(super) fn machine_failure(source: impl std::error::Error + Send + Sync + 'st
 /// A machine error told in words.
 pub(super) fn failed(why: impl Into<String>) -> Failure {
     Failure { exit: Exit::Machine, source: why.into().into() }
+}
+
+/// What must not or cannot be done, told in words.
+pub(super) fn refused(why: impl Into<String>) -> Failure {
+    Failure { exit: Exit::Refused, source: why.into().into() }
 }

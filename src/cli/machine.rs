@@ -1,19 +1,29 @@
-//! `furbelow machine list | show | check | schema`
+//! `furbelow machine list | show | check | schema | probe`
 
 use serde_json::json;
 
-use super::Failure;
-use super::files::Command;
+use super::files;
 use super::output::{checklist, fact, json, line, number, own_folder, percent, read_argument, table};
+use super::{Failure, machine_probe};
 use crate::config::{self, Kind, Library, Machine};
+
+/// What to do with machines.
+#[derive(Debug, clap::Subcommand)]
+pub enum Command {
+    #[command(flatten)]
+    Files(files::Command),
+    /// Ask a board what it is, and make a machine file of it
+    Probe(machine_probe::Args),
+}
 
 pub(super) fn run(command: Command) -> Result<(), Failure> {
     let library = Library::open();
     match command {
-        Command::List { json } => list(&library, json),
-        Command::Show { name, json } => show(&library.machine(&name)?, json),
-        Command::Check { file } => check(&library, &file),
-        Command::Schema => json(&config::schema(Kind::Machine)),
+        Command::Files(files::Command::List { json }) => list(&library, json),
+        Command::Files(files::Command::Show { name, json }) => show(&library.machine(&name)?, json),
+        Command::Files(files::Command::Check { file }) => check(&library, &file),
+        Command::Files(files::Command::Schema) => json(&config::schema(Kind::Machine)),
+        Command::Probe(args) => machine_probe::run(&args, &library),
     }
 }
 

@@ -95,9 +95,11 @@ fn tell(made: &Made, out: &Path) -> Result<(), Failure> {
         output::line(&format!("! {}{place}", warning.message))?;
     }
     output::line(&format!(
-        "\nwrote {} files to {}: look at parts/ and sheets/*.png, then load sheets/*.nc into your sender.\nto change something: edit {d} and run  furbelow make {d}",
+        "\nwrote {} files to {}: look at parts/ and sheets/*.png\nto cut it: furbelow send {o} -m {m} --port PORT  (furbelow ports names them), or load sheets/*.nc into your sender\nto change something: edit {d} and run  furbelow make {d}",
         made.files.len(),
         out.display(),
+        o = quoted(out),
+        m = report.machine,
         d = quoted(&out.join("design.toml")),
     ))
 }

@@ -6,9 +6,16 @@
 mod check;
 mod completions;
 mod connection;
+mod console;
 mod design;
 mod files;
+mod frame;
+mod home;
+mod job_files;
+mod jog;
+mod jog_keys;
 mod machine;
+mod machine_probe;
 mod make;
 mod order;
 mod output;
@@ -17,6 +24,7 @@ mod preview;
 mod profile;
 mod screen;
 mod send;
+mod talk;
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -46,11 +54,19 @@ pub enum Command {
     Preview(preview::Args),
     /// Send G-code to a machine and stay with it to the end
     Send(send::Args),
+    /// Drive around everything a job burns, beam off, to see where it lies
+    Frame(frame::Args),
+    /// Move the head by hand, and set work zero
+    Jog(jog::Args),
+    /// Drive to the homing switches, or unlock after an alarm
+    Home(home::Args),
+    /// Talk to a machine's board line by line
+    Console(console::Args),
     /// List the ports a machine's board may hang on
     Ports(ports::Args),
-    /// Cutters: list them, show one, check a file of your own
+    /// Cutters: list them, show one, check a file of your own, make one of what a board tells
     #[command(subcommand)]
-    Machine(files::Command),
+    Machine(machine::Command),
     /// Sheet materials: list them, show one, check a file of your own
     #[command(subcommand)]
     Profile(files::Command),
@@ -67,6 +83,10 @@ impl Command {
             Command::Check(args) => check::run(&args),
             Command::Preview(args) => preview::run(args),
             Command::Send(args) => send::run(&args),
+            Command::Frame(args) => frame::run(&args),
+            Command::Jog(args) => jog::run(&args),
+            Command::Home(args) => home::run(&args),
+            Command::Console(args) => console::run(&args),
             Command::Ports(args) => ports::run(&args),
             Command::Machine(command) => machine::run(command),
             Command::Profile(command) => profile::run(command),

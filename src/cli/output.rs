@@ -38,13 +38,15 @@ pub(super) fn fact(name: &str, value: impl Into<String>) -> Vec<String> {
     vec![name.to_owned(), value.into()]
 }
 
-/// What to do before a job, as a list to tick off; nothing when there is nothing to do.
+/// What to do before a job, as a list to tick off; `None` when there is nothing to do.
+pub(super) fn checklist_text(steps: &[String]) -> Option<String> {
+    let lines: Vec<_> = steps.iter().map(|step| format!("  [ ] {step}")).collect();
+    (!lines.is_empty()).then(|| format!("\nbefore every job:\n{}", lines.join("\n")))
+}
+
+/// Writes that list.
 pub(super) fn checklist(steps: &[String]) -> Result<(), Failure> {
-    if steps.is_empty() {
-        return Ok(());
-    }
-    let steps: Vec<_> = steps.iter().map(|step| format!("  [ ] {step}")).collect();
-    line(&format!("\nbefore every job:\n{}", steps.join("\n")))
+    checklist_text(steps).map_or(Ok(()), |text| line(&text))
 }
 
 /// Says where a user's own files go.

@@ -1,8 +1,5 @@
 //! Bytes become lines as in GRBL's main loop (protocol.c): blanks, comments and `/` dropped, small letters raised, too long lines told.
 
-/// Characters a line may have (LINE_BUFFER_SIZE - 1).
-const MAX_LINE: usize = 79;
-
 /// A line as the controller sees it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Text {
@@ -11,8 +8,10 @@ pub(super) enum Text {
 }
 
 /// The line being gathered.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Assembler {
+    /// Characters a line may have (LINE_BUFFER_SIZE - 1).
+    limit: usize,
     line: String,
     in_parentheses: bool,
     after_semicolon: bool,
@@ -20,10 +19,14 @@ pub(super) struct Assembler {
 }
 
 impl Assembler {
+    pub(super) fn new(limit: usize) -> Assembler {
+        Assembler { limit, line: String::new(), in_parentheses: false, after_semicolon: false, overflow: false }
+    }
+
     /// Takes a byte; a line feed or a carriage return ends the line.
     pub(super) fn take(&mut self, byte: u8) -> Option<Text> {
         if byte == b'\n' || byte == b'\r' {
-            let done = std::mem::take(self);
+            let done = std::mem::replace(self, Assembler::new(self.limit));
             return Some(if done.overflow { Text::TooLong } else { Text::Line(done.line) });
         }
         if self.in_parentheses || self.after_semicolon || self.overflow {
@@ -34,7 +37,7 @@ impl Assembler {
             0..=b' ' | b'/' => {}
             b'(' => self.in_parentheses = true,
             b';' => self.after_semicolon = true,
-            _ if self.line.len() >= MAX_LINE => self.overflow = true,
+            _ if self.line.len() >= self.limit => self.overflow = true,
             _ => self.line.push(char::from(byte.to_ascii_uppercase())),
         }
         None
@@ -46,7 +49,7 @@ mod tests {
     use super::*;
 
     fn lines(text: &str) -> Vec<Text> {
-        let mut assembler = Assembler::default();
+        let mut assembler = Assembler::new(79);
         text.bytes().filter_map(|b| assembler.take(b)).collect()
     }
 

@@ -3,16 +3,15 @@
 use super::assembler::{Assembler, Text};
 use super::faults::{Fault, Faults, When};
 use super::link::Link;
-use super::motion::{Ended, Lamp, Motion, Overrides};
+use super::memory::Memory;
+use super::motion::{Ended, Lamp, Motion};
+use super::probe::Probe;
 use super::settings::{BoardSettings, Settings};
 use super::steps::Step;
 use super::trace::Segment;
 use crate::gcode::Interpreter;
-use crate::geom::{P3, V3};
+use crate::geom::P3;
 use std::collections::VecDeque;
-
-/// Reading a line without motion, as a share of reading one with: measured with the planner's own feeder.
-const PLAIN_LINE_SHARE: f64 = 0.5;
 
 /// GRBL's states. Whether a hold or an open door has come to rest, [`Board::is_moving`] tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,14 +41,13 @@ pub enum State {
 pub struct Board {
     pub(super) hardware: BoardSettings,
     pub(super) settings: Settings,
-    /// Origins of G54 to G59 as the EEPROM has them, mm.
-    pub(super) stored_mm: [V3; 6],
+    pub(super) memory: Memory,
     pub(super) link: Link,
     pub(super) motion: Motion,
     pub(super) interpreter: Interpreter,
     pub(super) state: State,
     pub(super) clock_s: f64,
-    assembler: Assembler,
+    pub(super) assembler: Assembler,
     /// The line being read, done at `busy_until_s`.
     pub(super) reading: Option<Text>,
     pub(super) busy_until_s: f64,
@@ -57,15 +55,16 @@ pub struct Board {
     pub(super) steps: VecDeque<Step>,
     /// An alarm after which only a reset is heard.
     pub(super) critical: bool,
-    /// A jog is being cancelled.
-    pub(super) jog_cancelled: bool,
+    /// The motion under way brakes and the rest of it is thrown away: a cancelled jog, a probe that has found its contact.
+    pub(super) cancelled: bool,
     pub(super) reports_to_wco: u32,
     pub(super) reports_to_overrides: u32,
     pub(super) switches: [bool; 3],
+    pub(super) probe: Probe,
     pub(super) faults: Faults,
-    boots_until_s: Option<f64>,
+    pub(super) boots_until_s: Option<f64>,
     plugged: bool,
-    powered: bool,
+    pub(super) powered: bool,
 }
 
 impl Board {
@@ -74,27 +73,28 @@ impl Board {
         let settings = hardware.settings.clone();
         let limits = settings.limits(&hardware);
         let mut board = Board {
-            link: Link::new(hardware.baud, hardware.rx_bytes),
+            link: Link::new(hardware.baud, hardware.rx_bytes, hardware.personality.eeprom_byte_s()),
             motion: Motion::new(limits, lamp(&settings), hardware.head_mm),
-            interpreter: Interpreter::new(P3::origin(), hardware.offsets_mm),
-            stored_mm: hardware.offsets_mm,
+            interpreter: Interpreter::new(P3::origin(), hardware.memory.offsets_mm, hardware.memory.homes_mm),
+            memory: hardware.memory.clone(),
             faults: Faults::new(hardware.seed),
             settings,
-            hardware,
             state: State::Idle,
             clock_s: 0.0,
-            assembler: Assembler::default(),
+            assembler: Assembler::new(hardware.personality.line_chars()),
             reading: None,
             busy_until_s: 0.0,
             steps: VecDeque::new(),
             critical: false,
-            jog_cancelled: false,
+            cancelled: false,
             reports_to_wco: 0,
             reports_to_overrides: 0,
             switches: [false; 3],
+            probe: Probe::new(),
             boots_until_s: None,
             plugged: true,
             powered: true,
+            hardware,
         };
         board.boot();
         board
@@ -188,75 +188,6 @@ impl Board {
         &self.settings
     }
 
-    /// Powers up or resets by its pin: everything but the EEPROM is forgotten, and the boot loader eats bytes for a while.
-    fn boot(&mut self) {
-        self.motion.flush();
-        self.motion.drift += self.motion.position.coords;
-        self.motion.position = P3::origin();
-        self.state = if self.settings.is_on(22) { State::Alarm } else { State::Idle };
-        self.forget();
-        self.boots_until_s = Some(self.clock_s + self.hardware.boot_s);
-    }
-
-    /// The soft reset `^X` (motion_control.c, mc_reset; main.c): `homing_alarm` is what it means while homing.
-    pub(super) fn reset(&mut self, homing_alarm: u8) {
-        if self.motion.is_running() {
-            let code = if self.state == State::Home { homing_alarm } else { 3 };
-            self.say(&format!("ALARM:{code}"));
-            self.state = State::Alarm;
-        }
-        self.motion.flush();
-        // The line under way returns to the main loop, which answers it before it begins anew.
-        if self.reading.is_some() || self.steps.iter().any(|step| matches!(step, Step::Answer(_))) {
-            self.answer(None);
-        }
-        self.forget();
-        self.greet();
-    }
-
-    fn forget(&mut self) {
-        self.motion.rest_s = 0.0;
-        self.motion.dark = false;
-        self.motion.overrides = Overrides::NONE;
-        self.interpreter = Interpreter::new(self.motion.position, self.stored_mm);
-        self.link.clear_ring();
-        self.assembler = Assembler::default();
-        self.reading = None;
-        self.steps.clear();
-        self.busy_until_s = self.clock_s;
-        (self.critical, self.jog_cancelled) = (false, false);
-        (self.reports_to_wco, self.reports_to_overrides) = (0, 0);
-    }
-
-    /// The banner and what follows it (protocol.c, protocol_main_loop).
-    fn greet(&mut self) {
-        self.say("");
-        self.say("Grbl 1.1h ['$' for help]");
-        if self.settings.is_on(21) && self.switches.contains(&true) {
-            self.state = State::Alarm;
-            self.say("[MSG:Check Limits]");
-        }
-        self.state = match self.state {
-            State::Alarm | State::Sleep => {
-                self.say("[MSG:'$H'|'$X' to unlock]");
-                State::Alarm
-            }
-            _ => State::Idle,
-        };
-    }
-
-    /// Stops everything; after a limit (1, 2) only a reset is heard (protocol.c, protocol_exec_rt_system).
-    pub(super) fn alarm(&mut self, code: u8) {
-        self.motion.flush();
-        self.motion.rest_s = 0.0;
-        self.state = State::Alarm;
-        self.say(&format!("ALARM:{code}"));
-        if matches!(code, 1 | 2) {
-            self.say("[MSG:Reset to continue]");
-            self.critical = true;
-        }
-    }
-
     /// Takes settings over where they act at once.
     pub(super) fn apply_settings(&mut self) {
         self.motion.limits = self.settings.limits(&self.hardware);
@@ -340,7 +271,8 @@ impl Board {
                     self.boot();
                 }
             }
-            Fault::Reset => self.boot(),
+            Fault::Reset if self.powered => self.boot(),
+            Fault::Chatter(lines) => (0..lines).for_each(|k| self.say(&format!("[MSG:INFO: heap {}]", 170_000 - k))),
             _ => {}
         }
     }
@@ -359,52 +291,9 @@ impl Board {
             self.run_controller();
         }
     }
-
-    /// True while the controller's main loop stands still in GRBL's suspend loop or for good.
-    fn is_suspended(&self) -> bool {
-        self.critical
-            || self.jog_cancelled
-            || self.boots_until_s.is_some()
-            || matches!(self.state, State::Hold | State::Door | State::Sleep)
-    }
-
-    /// The controller's main loop (protocol.c), as far as it gets now.
-    fn run_controller(&mut self) {
-        while self.powered && !self.is_suspended() && self.clock_s >= self.busy_until_s {
-            if let Some(text) = self.reading.take() {
-                self.steps = self.steps_of(text);
-            } else if let Some(step) = self.steps.pop_front() {
-                if let Some(blocked) = self.take_step(step) {
-                    self.steps.push_front(blocked);
-                    return;
-                }
-            } else if let Some(byte) = self.link.read() {
-                if let Some(text) = self.assembler.take(byte) {
-                    // A full transmit buffer keeps the controller waiting before it reads on.
-                    self.busy_until_s = self.clock_s.max(self.link.written_s()) + self.reading_s(&text);
-                    self.reading = Some(text);
-                }
-            } else {
-                self.start_cycle();
-                return;
-            }
-        }
-    }
-
-    fn reading_s(&self, text: &Text) -> f64 {
-        let moves = matches!(text, Text::Line(line) if line.contains(['X', 'Y', 'Z']) && !line.starts_with('$'));
-        self.hardware.line_s * if moves { 1.0 } else { PLAIN_LINE_SHARE }
-    }
-
-    /// Starts what is planned (protocol.c, protocol_auto_cycle_start).
-    pub(super) fn start_cycle(&mut self) {
-        if self.state == State::Idle && !self.motion.is_empty() {
-            self.state = State::Run;
-            self.motion.start();
-        }
-    }
 }
 
-fn lamp(settings: &Settings) -> Lamp {
+/// How the settings turn S words into light.
+pub(super) fn lamp(settings: &Settings) -> Lamp {
     Lamp { max_s: settings.get(30), min_s: settings.get(31), laser: settings.is_on(32) }
 }

@@ -22,7 +22,7 @@ pub enum Fault {
     DropOut(u32),
     /// One bit of each of the next bytes to the host flips.
     CorruptOut(u32),
-    /// What comes to the board is lost up to and with the next line feed.
+    /// What comes to the board is lost up to and with the next line feed, but for the real-time bytes in between.
     TornLine,
     /// The next answers `ok` are never written.
     StuckOk(u32),
@@ -35,6 +35,8 @@ pub enum Fault {
     Replug,
     /// The board resets as when its button is pressed.
     Reset,
+    /// The board says so many lines of its own accord.
+    Chatter(u32),
 }
 
 /// Faults to come and those under way.
@@ -102,7 +104,7 @@ impl Faults {
     /// What the board gets of a byte sent to it.
     pub(super) fn inward(&mut self, byte: u8) -> Option<u8> {
         self.bytes_in += 1;
-        if self.tearing {
+        if self.tearing && !matches!(byte, b'?' | b'!' | b'~' | 0x18 | 0x80..) {
             self.tearing = byte != b'\n';
             return None;
         }

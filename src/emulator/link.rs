@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 /// Bytes the UART itself holds while interrupts are off: two in its buffer and one in its shift register (ATmega328p data sheet, USART).
 const UART_BYTES: usize = 3;
 
-/// Time to write one byte of the EEPROM with interrupts off, s (ATmega328p data sheet: 3.4 ms erase and write).
+/// Time an ATmega328p takes to write one byte of the EEPROM with interrupts off, s (ATmega328p data sheet: 3.4 ms erase and write).
 pub(super) const EEPROM_BYTE_S: f64 = 0.0034;
 
 /// Bytes of the transmit buffer: what does not fit keeps the controller waiting.
@@ -16,6 +16,8 @@ const TX_BYTES: f64 = 104.0;
 #[derive(Debug)]
 pub(super) struct Link {
     byte_s: f64,
+    /// Time to write one byte of the EEPROM, in which nothing is heard, s.
+    eeprom_byte_s: f64,
     capacity: usize,
     /// On the wire to the board: when each byte has arrived.
     inbound: VecDeque<(f64, u8)>,
@@ -33,9 +35,10 @@ pub(super) struct Link {
 }
 
 impl Link {
-    pub(super) fn new(baud: f64, capacity: usize) -> Link {
+    pub(super) fn new(baud: f64, capacity: usize, eeprom_byte_s: f64) -> Link {
         Link {
             byte_s: 10.0 / baud,
+            eeprom_byte_s,
             capacity,
             inbound: VecDeque::new(),
             in_free_s: 0.0,
@@ -73,7 +76,7 @@ impl Link {
             return true;
         }
         // Between two bytes of the EEPROM interrupts are on for a moment, and what the UART holds is fetched.
-        let byte = ((s - from) / EEPROM_BYTE_S) as usize;
+        let byte = ((s - from) / self.eeprom_byte_s) as usize;
         if byte != self.stalled_byte {
             (self.stalled_byte, self.in_uart) = (byte, 0);
         }
@@ -85,7 +88,7 @@ impl Link {
 
     /// Writes a number of EEPROM bytes from now on; returns when done.
     pub(super) fn stall(&mut self, now_s: f64, bytes: usize) -> f64 {
-        let done_s = now_s + bytes as f64 * EEPROM_BYTE_S;
+        let done_s = now_s + bytes as f64 * self.eeprom_byte_s;
         self.stall = Some((now_s, done_s));
         (self.stalled_byte, self.in_uart) = (0, 0);
         done_s
@@ -153,7 +156,7 @@ mod tests {
 
     #[test]
     fn a_full_buffer_drops_the_newest_bytes_without_a_word() {
-        let mut link = Link::new(115_200.0, 128);
+        let mut link = Link::new(115_200.0, 128, EEPROM_BYTE_S);
         (0..200).for_each(|k| link.store(k));
         assert_eq!((link.free(), link.lost), (0, 72));
         assert_eq!(link.read(), Some(0));
@@ -161,7 +164,7 @@ mod tests {
 
     #[test]
     fn bytes_take_ten_bits_each_way() {
-        let mut link = Link::new(115_200.0, 128);
+        let mut link = Link::new(115_200.0, 128, EEPROM_BYTE_S);
         (0..10).for_each(|_| link.send_in(1.0, b'x'));
         assert_eq!(link.arrived(1.0 + 8e-5), None);
         assert!((link.next_in_s().unwrap() - 1.0 - 10.0 / 115_200.0).abs() < 1e-12);
@@ -172,7 +175,7 @@ mod tests {
 
     #[test]
     fn while_the_eeprom_is_written_three_bytes_survive_per_byte_written() {
-        let mut link = Link::new(115_200.0, 128);
+        let mut link = Link::new(115_200.0, 128, EEPROM_BYTE_S);
         let done_s = link.stall(0.0, 2);
         let heard = |from: f64, link: &mut Link| (0..30).filter(|k| link.is_heard(from + f64::from(*k) * 1e-4)).count();
         assert_eq!(heard(0.0, &mut link), 3);

@@ -15,6 +15,10 @@ const TINY: f64 = 1e-9;
 /// Times below this are rounding, s: a day in seconds has an f64 resolution of 1.5e-11.
 const TICK_S: f64 = 1e-10;
 
+/// How long a constant beam (M3) burns on before M5 darkens it, s, from when the head has come to rest: 60 cuts on GRBL 1.1h were lit 14.9 ms longer
+/// each than they moved.
+const DARKENING_S: f64 = 0.0149;
+
 /// How a block runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Way {
@@ -97,6 +101,8 @@ pub(super) struct Motion {
     pub(super) drift: V3,
     /// S of a beam that shines at rest.
     pub(super) rest_s: f64,
+    /// Since when it rests, s.
+    rested_since_s: f64,
     /// A hold keeps the beam dark.
     pub(super) dark: bool,
     /// Where the block queued last ends and which way it goes, unless the machine rests there.
@@ -121,6 +127,7 @@ impl Motion {
             position: P3::origin(),
             drift: head_mm.coords,
             rest_s: 0.0,
+            rested_since_s: 0.0,
             dark: false,
             last: None,
             stretches: 0,
@@ -184,6 +191,11 @@ impl Motion {
         self.ramps.clear();
         (self.running, self.braking, self.last) = (false, false, None);
         (self.done_mm, self.speed) = (0.0, 0.0);
+    }
+
+    /// When a beam that burns on at rest can be dark, s: see [`DARKENING_S`].
+    pub(super) fn darkest_s(&self) -> f64 {
+        if self.rest_s > 0.0 { self.rested_since_s + DARKENING_S } else { self.clock_s }
     }
 
     /// Takes over changed overrides.
@@ -281,6 +293,7 @@ impl Motion {
         self.done_mm = 0.0;
         if self.queue.is_empty() {
             self.speed = 0.0;
+            self.rested_since_s = self.clock_s;
             (self.running, self.last) = (false, None);
             return Some(if std::mem::take(&mut self.braking) { Ended::Hold } else { Ended::All });
         }

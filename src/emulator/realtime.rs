@@ -4,6 +4,9 @@ use super::board::{Board, State};
 use super::motion::Overrides;
 use crate::gcode::Beam;
 
+/// Said when a spindle that a hold has stopped runs again.
+const RESTORING: &str = "[MSG:Restoring spindle]";
+
 impl Board {
     /// Acts on a real-time byte; false for a byte of a line.
     pub(super) fn real_time(&mut self, byte: u8) -> bool {
@@ -41,7 +44,7 @@ impl Board {
     }
 
     fn cancel_jog(&mut self) {
-        self.jog_cancelled = true;
+        self.cancelled = true;
         self.motion.brake();
     }
 
@@ -49,8 +52,9 @@ impl Board {
         let rests = !self.motion.is_running();
         match self.state {
             State::Hold if rests => {
-                if self.settings.is_on(32) && self.interpreter.modal().beam != Beam::Off {
-                    self.say("[MSG:Restoring spindle]");
+                let stopped = self.settings.is_on(32) || self.motion.dark;
+                if stopped && self.interpreter.modal().beam != Beam::Off {
+                    self.say(RESTORING);
                 }
                 self.go_on();
             }
@@ -69,7 +73,7 @@ impl Board {
         match self.state {
             State::Home => return self.reset(7),
             State::Alarm | State::Sleep | State::Door | State::Check => return,
-            State::Jog => self.jog_cancelled = true,
+            State::Jog => self.cancelled = true,
             State::Idle | State::Run | State::Hold => {}
         }
         self.say("[MSG:Check Door]");
@@ -83,11 +87,11 @@ impl Board {
 
     /// The machine has come to rest after `!`, a door, a cancelled jog or a way out of bounds.
     pub(super) fn came_to_hold(&mut self) {
-        if std::mem::take(&mut self.jog_cancelled) {
+        if std::mem::take(&mut self.cancelled) {
             self.motion.flush();
             self.interpreter.set_position(self.motion.position);
             self.drop_ways();
-            if self.state == State::Jog {
+            if matches!(self.state, State::Jog | State::Run) {
                 self.state = State::Idle;
             }
         }
@@ -106,6 +110,9 @@ impl Board {
     fn stop_spindle(&mut self) {
         if self.state == State::Hold && !self.motion.is_running() && !self.settings.is_on(32) {
             self.motion.dark = !self.motion.dark;
+            if !self.motion.dark && self.interpreter.modal().beam != Beam::Off {
+                self.say(RESTORING);
+            }
         }
     }
 

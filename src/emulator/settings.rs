@@ -1,7 +1,9 @@
 //! What the board is: its hardware, and the `$n` settings it keeps in its EEPROM.
 
+use super::memory::Memory;
+use super::personality::Personality;
 use crate::gcode::Limits;
-use crate::geom::{P3, V3};
+use crate::geom::P3;
 
 /// The board and the machine around it.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,8 +24,10 @@ pub struct BoardSettings {
     pub rx_bytes: usize,
     /// Where the head really is when the board is made, mm from the home switches' corner; the board itself starts at 0.
     pub head_mm: P3,
-    /// Origins of G54 to G59 in the EEPROM, mm.
-    pub offsets_mm: [V3; 6],
+    /// What else is in the EEPROM when the board is made.
+    pub memory: Memory,
+    /// Whose firmware it runs.
+    pub personality: Personality,
     /// Seed of corrupted bytes.
     pub seed: u64,
 }
@@ -40,8 +44,37 @@ impl Default for BoardSettings {
             planner_blocks: 15,
             rx_bytes: 128,
             head_mm: P3::origin(),
-            offsets_mm: [V3::zeros(); 6],
+            memory: Memory::default(),
+            personality: Personality::Grbl,
             seed: 1,
+        }
+    }
+}
+
+impl BoardSettings {
+    /// A board with grblHAL: USB of its own, so that opening does not reset it, and long buffers. Its times are estimates, not measurements.
+    pub fn grbl_hal() -> BoardSettings {
+        BoardSettings {
+            personality: Personality::GrblHal,
+            baud: 1_000_000.0,
+            boot_s: 0.3,
+            resets_on_open: false,
+            line_s: 0.0002,
+            planner_blocks: 100,
+            rx_bytes: 1023,
+            ..BoardSettings::default()
+        }
+    }
+
+    /// A board with FluidNC on its serial line. Its times are estimates, not measurements.
+    pub fn fluid_nc() -> BoardSettings {
+        BoardSettings {
+            personality: Personality::FluidNc,
+            boot_s: 1.0,
+            line_s: 0.0004,
+            planner_blocks: 16,
+            rx_bytes: 256,
+            ..BoardSettings::default()
         }
     }
 }

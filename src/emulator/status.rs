@@ -39,8 +39,9 @@ impl Board {
         }
         let unit = if self.settings.is_on(13) { 25.4 } else { 1.0 };
         text += &format!("|FS:{:.0},{:.0}", self.motion.speed_mm_per_s() * 60.0 / unit, self.motion.shown_s());
-        if self.switches.contains(&true) {
-            let pins: String = "XYZ".chars().zip(self.switches).filter(|(_, on)| *on).map(|(axis, _)| axis).collect();
+        let closed = [self.probe.closed, self.switches[0], self.switches[1], self.switches[2]];
+        if closed.contains(&true) {
+            let pins: String = "PXYZ".chars().zip(closed).filter(|(_, on)| *on).map(|(pin, _)| pin).collect();
             text += &format!("|Pn:{pins}");
         }
         if self.reports_to_wco > 0 {
@@ -123,11 +124,15 @@ impl Board {
         let i = &self.interpreter;
         let mut lines: Vec<String> =
             i.offsets().iter().zip(54..).map(|(v, g)| format!("[G{g}:{}]", self.triple(*v))).collect();
-        let zero = self.triple(V3::zeros());
-        lines.extend([28, 30].map(|g| format!("[G{g}:{zero}]")));
+        lines.extend(i.homes().iter().zip([28, 30]).map(|(p, g)| format!("[G{g}:{}]", self.triple(p.coords))));
         lines.push(format!("[G92:{}]", self.triple(i.shift())));
         lines.push(format!("[TLO:{:.3}]", i.tool_length_mm()));
-        lines.push(format!("[PRB:{zero}:0]"));
+        lines.push(self.probe_line());
         lines
+    }
+
+    /// What the last probing found.
+    pub(super) fn probe_line(&self) -> String {
+        format!("[PRB:{}:{}]", self.triple(self.probe.last_mm.coords), u8::from(self.probe.found))
     }
 }

@@ -5,8 +5,9 @@ use std::collections::VecDeque;
 
 use super::assembler::Text;
 use super::board::{Board, State};
+use super::memory::Memory;
 use super::motion::{Overrides, Way};
-use super::settings::changed_bytes;
+use super::probe::Seek;
 use crate::gcode::{Action, Beam, Move, parse};
 use crate::geom::{P3, V3};
 
@@ -26,6 +27,12 @@ pub(super) enum Step {
     /// Writes so many bytes of the EEPROM.
     Eeprom(usize),
     Say(String),
+    /// Carries out a startup line (`$N`).
+    Startup(usize),
+    /// Probes.
+    Probe(Seek),
+    /// Has probed; true when no contact is an alarm.
+    Probed(bool),
     /// Drives to the home switches.
     Home,
     /// Has arrived there.
@@ -60,7 +67,7 @@ impl Board {
         }
     }
 
-    fn g_code(&mut self, text: &str) -> Result<VecDeque<Step>, u8> {
+    pub(super) fn g_code(&mut self, text: &str) -> Result<VecDeque<Step>, u8> {
         let program = parse(text).map_err(|e| e.grbl_error)?;
         let Some(line) = program.lines.first() else { return Ok(answer(None)) };
         let says = |codes: &[f64]| line.words.iter().any(|w| w.letter == 'M' && codes.contains(&w.value));
@@ -82,12 +89,13 @@ impl Board {
             steps.push_back(Step::Answer(None));
             return Ok(steps);
         }
+        let laser = self.motion.lamp.laser;
         let lit_s = |beam: Beam, power_s: f64| match beam {
-            Beam::Constant if modal.feeds || !self.motion.lamp.laser => power_s,
-            Beam::Dynamic if !self.motion.lamp.laser => power_s,
+            Beam::Constant if modal.feeds || !laser => power_s,
+            Beam::Dynamic if !laser => power_s,
             _ => 0.0,
         };
-        if !self.motion.lamp.laser && (modal.power_s, modal.beam) != (was.power_s, was.beam) {
+        if !laser && (modal.power_s, modal.beam) != (was.power_s, was.beam) {
             // Without laser mode every change of the spindle stops the machine.
             steps.push_back(Step::Rest(lit_s(modal.beam, modal.power_s)));
         }
@@ -98,19 +106,15 @@ impl Board {
                     steps.push_back(Step::Rest(lit_s(m.beam, m.power_s)));
                     steps.push_back(Step::Dwell(seconds));
                 }
+                Action::Rapid if modal.motion == "G38.2" => self.seek(line, m, &mut steps),
                 Action::Rapid | Action::Line | Action::Arc { .. } => self.ways(m, &mut steps),
             }
         }
         if says(&[0.0]) {
             steps.push_back(Step::Pause);
         }
-        let [old, new] = [before.offsets(), self.interpreter.offsets()]
-            .map(|o| o.iter().flat_map(|v| [v.x, v.y, v.z]).collect::<Vec<_>>());
-        let written = changed_bytes(&old, &new);
-        if written > 0 {
-            self.stored_mm = self.interpreter.offsets();
-            steps.push_back(Step::Eeprom(written));
-        }
+        let (offsets_mm, homes_mm) = (self.interpreter.offsets(), self.interpreter.homes());
+        steps.extend(self.write(Memory { offsets_mm, homes_mm, ..self.memory.clone() }));
         if says(&[2.0, 30.0]) {
             steps.push_back(Step::Rest(0.0));
             steps.push_back(Step::ClearOverrides);
@@ -146,7 +150,15 @@ impl Board {
                 return Some(step);
             }
             Step::Way(way) => self.motion.push(way),
-            Step::Rest(_) | Step::Dwell(_) | Step::Pause | Step::OutOfBounds if !self.motion.is_empty() => {
+            Step::Rest(_)
+            | Step::Dwell(_)
+            | Step::Pause
+            | Step::OutOfBounds
+            | Step::Eeprom(_)
+            | Step::Probe(_)
+            | Step::Probed(_)
+                if !self.motion.is_empty() =>
+            {
                 if step == Step::OutOfBounds && self.state == State::Run {
                     self.motion.brake();
                     if !self.motion.is_running() {
@@ -154,6 +166,10 @@ impl Board {
                     }
                 }
                 self.start_cycle();
+                return Some(step);
+            }
+            Step::Rest(0.0) if self.clock_s < self.motion.darkest_s() => {
+                self.busy_until_s = self.motion.darkest_s();
                 return Some(step);
             }
             Step::Rest(s) => self.motion.rest_s = s,
@@ -166,6 +182,13 @@ impl Board {
             }
             Step::Eeprom(bytes) => self.busy_until_s = self.link.stall(self.clock_s, bytes),
             Step::Say(text) => self.say(&text),
+            Step::Startup(number) => {
+                let mut steps = self.startup_steps(number);
+                steps.append(&mut self.steps);
+                self.steps = steps;
+            }
+            Step::Probe(seek) => self.start_probe(seek),
+            Step::Probed(must_find) => self.end_probe(must_find),
             Step::Home => self.go_home(),
             Step::Homed if !self.motion.is_empty() => return Some(step),
             Step::Homed => self.arrive_home(),

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::board::{Board, State};
+use super::memory::{Memory, STARTUP_LINES};
 use super::motion::Way;
 use super::steps::{Step, answer};
 use crate::gcode::{Word, parse};
@@ -25,15 +26,13 @@ impl Board {
             _ if command.starts_with('J') => self.jog(command.strip_prefix("J=").ok_or(3)?),
             _ if !resting => Err(8),
             "#" => lines(self.offset_lines()),
-            "I" => {
-                let options = format!("[OPT:V,{},{}]", self.hardware.planner_blocks, self.hardware.rx_bytes);
-                lines(vec!["[VER:1.1h.20190830:]".into(), options])
-            }
-            "N" => lines(vec!["$N0=".into(), "$N1=".into()]),
+            "I" => lines(self.build_lines()),
+            "N" => lines(self.memory.startup.iter().enumerate().map(|(n, line)| format!("$N{n}={line}")).collect()),
             "H" if !self.settings.is_on(22) => Err(5),
             "H" => {
                 self.state = State::Home;
-                Ok([Step::Home, Step::Homed, Step::Answer(None)].into())
+                let startup = (0..STARTUP_LINES).map(Step::Startup);
+                Ok([Step::Home, Step::Homed].into_iter().chain(startup).chain([Step::Answer(None)]).collect())
             }
             "SLP" => Ok([Step::Answer(None), Step::Sleep].into()),
             "RST=$" | "RST=#" | "RST=*" => {
@@ -41,13 +40,28 @@ impl Board {
                     self.settings = self.hardware.settings.clone();
                     self.apply_settings();
                 }
-                if command != "RST=$" {
-                    self.stored_mm = Default::default();
-                }
+                let kept = match command {
+                    "RST=$" => self.memory.clone(),
+                    "RST=#" => {
+                        let Memory { startup, build_info, .. } = self.memory.clone();
+                        Memory { startup, build_info, ..Memory::default() }
+                    }
+                    _ => Memory::default(),
+                };
                 let said = Step::Say("[MSG:Restoring defaults]".into());
-                Ok([Step::Eeprom(ALL_SETTINGS_BYTES), said, Step::Answer(None), Step::Reset].into())
+                let mut steps = VecDeque::from([Step::Eeprom(ALL_SETTINGS_BYTES)]);
+                steps.extend(self.write(kept));
+                steps.extend([said, Step::Answer(None), Step::Reset]);
+                Ok(steps)
             }
-            _ => self.store(command),
+            _ => match (command.strip_prefix("I="), command.strip_prefix('N')) {
+                (Some(text), _) => {
+                    let memory = Memory { build_info: text.into(), ..self.memory.clone() };
+                    Ok(self.write(memory).into_iter().chain([Step::Answer(None)]).collect())
+                }
+                (None, Some(startup)) => self.store_startup(startup),
+                (None, None) => self.store(command),
+            },
         }
     }
 
@@ -60,6 +74,44 @@ impl Board {
         let written = self.settings.store(number, value)?;
         self.apply_settings();
         Ok([Step::Eeprom(written), Step::Answer(None)].into())
+    }
+
+    /// `$N0=` and `$N1=`: carried out to see whether it can be, then stored.
+    fn store_startup(&mut self, command: &str) -> Result<VecDeque<Step>, u8> {
+        if self.state != State::Idle {
+            return Err(8);
+        }
+        let (number, line) = command.split_once('=').ok_or(3)?;
+        let number = number.parse::<usize>().ok().filter(|n| *n < STARTUP_LINES).ok_or(3)?;
+        let mut steps = self.g_code(line)?;
+        let answered = steps.pop_back();
+        let mut memory = self.memory.clone();
+        memory.startup[number] = line.to_owned();
+        steps.extend(self.write(memory).into_iter().chain(answered));
+        Ok(steps)
+    }
+
+    /// A startup line as steps: it is told with what became of it instead of answered.
+    pub(super) fn startup_steps(&mut self, number: usize) -> VecDeque<Step> {
+        let line = self.memory.startup[number].clone();
+        if line.is_empty() {
+            return VecDeque::new();
+        }
+        match self.g_code(&line) {
+            Ok(mut steps) => {
+                steps.retain(|step| !matches!(step, Step::Answer(_)));
+                steps.push_back(Step::Say(format!(">{line}:ok")));
+                steps
+            }
+            Err(code) => [Step::Say(format!(">{line}:error:{code}"))].into(),
+        }
+    }
+
+    /// Stores what is to survive power; the writing takes its time when anything changes.
+    pub(super) fn write(&mut self, memory: Memory) -> Option<Step> {
+        let bytes = memory.bytes_changed(&self.memory);
+        self.memory = memory;
+        (bytes > 0).then_some(Step::Eeprom(bytes))
     }
 
     fn toggle_check(&mut self) -> Result<VecDeque<Step>, u8> {

@@ -42,9 +42,10 @@ pub struct Modal {
 }
 
 impl Interpreter {
-    /// GRBL as it starts, standing at `position_mm` with its stored origins of G54 to G59, all in machine coordinates.
-    pub fn new(position_mm: P3, offsets_mm: [V3; 6]) -> Interpreter {
-        Interpreter { tracer: Tracer::at(position_mm, offsets_mm), tool: 0.0 }
+    /// GRBL as it starts, standing at `position_mm` with its stored origins of G54 to G59 and its stored places of G28 and G30, all in machine
+    /// coordinates, mm.
+    pub fn new(position_mm: P3, offsets_mm: [V3; 6], homes_mm: [P3; 2]) -> Interpreter {
+        Interpreter { tracer: Tracer::at(position_mm, offsets_mm, homes_mm), tool: 0.0 }
     }
 
     /// Carries a line out; its moves have line number 0.
@@ -77,6 +78,11 @@ impl Interpreter {
     /// Origins of G54 to G59, mm.
     pub fn offsets(&self) -> [V3; 6] {
         self.tracer.offsets
+    }
+
+    /// The stored places of G28 and G30, machine coordinates, mm.
+    pub fn homes(&self) -> [P3; 2] {
+        self.tracer.homes
     }
 
     /// G92, mm.
@@ -131,7 +137,7 @@ mod tests {
     fn work_zero_lies_where_the_stored_offset_says() {
         let mut offsets = [V3::zeros(); 6];
         offsets[0] = V3::new(-400.0, -300.0, 0.0);
-        let mut interpreter = Interpreter::new(P3::new(-2.0, -2.0, 0.0), offsets);
+        let mut interpreter = Interpreter::new(P3::new(-2.0, -2.0, 0.0), offsets, [P3::origin(); 2]);
         let say = |i: &mut Interpreter, text: &str| i.line(&parse(text).unwrap().lines[0]);
         let moves = say(&mut interpreter, "G1X10F600T2").unwrap();
         assert_eq!(moves[0].to, P3::new(-390.0, -2.0, 0.0));

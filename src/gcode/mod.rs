@@ -32,10 +32,11 @@ mod trace;
 mod words;
 mod writer;
 
-pub use check::{CheckSettings, Checker, Energy, Report, check};
+pub use check::{CheckSettings, Checker, Energy, Report, Witness, check};
 pub use emit::{AirWords, Dialect, Error, Header, emit};
 pub use finding::Finding;
 pub use interpreter::{Interpreter, Modal};
+pub use lines::read_lines;
 pub use moves::{Action, Beam, Move};
 pub use parse::{ParseError, parse};
 pub use planner::{Held, Limits, Planner, Stretch};

@@ -58,6 +58,8 @@ pub(super) struct Tracer {
     pub(super) inverse_time: bool,
     /// Origins of G54 to G59.
     pub(super) offsets: [V3; 6],
+    /// The stored places of G28 and G30.
+    pub(super) homes: [P3; 2],
     pub(super) offset: usize,
     /// G92.
     pub(super) shift: V3,
@@ -82,6 +84,7 @@ impl Tracer {
             incremental: false,
             inverse_time: false,
             offsets: [V3::zeros(); 6],
+            homes: [P3::origin(); 2],
             offset: 0,
             shift: V3::zeros(),
             tool_length_mm: 0.0,
@@ -92,9 +95,9 @@ impl Tracer {
         }
     }
 
-    /// GRBL as it starts at a position with these origins of G54 to G59.
-    pub(super) fn at(position: P3, offsets: [V3; 6]) -> Tracer {
-        Tracer { position, offsets, ..Tracer::new() }
+    /// GRBL as it starts at a position with these origins of G54 to G59 and these places of G28 and G30.
+    pub(super) fn at(position: P3, offsets: [V3; 6], homes: [P3; 2]) -> Tracer {
+        Tracer { position, offsets, homes, ..Tracer::new() }
     }
 
     /// Carries one line out, appending what it makes the machine do. A refused line changes nothing, as on GRBL.
@@ -149,9 +152,11 @@ impl Tracer {
             self.stand(Action::Stop, moves);
         }
         if said.end {
-            let Tracer { position, shift, offsets, inches, feed_mm_per_min, power_s, tool_length_mm, .. } = *self;
+            let Tracer { position, shift, offsets, homes, inches, feed_mm_per_min, power_s, tool_length_mm, .. } =
+                *self;
             let reset = Tracer { motion: Motion::Line, ..Tracer::new() };
-            *self = Tracer { position, shift, offsets, inches, feed_mm_per_min, power_s, tool_length_mm, ..reset };
+            *self =
+                Tracer { position, shift, offsets, homes, inches, feed_mm_per_min, power_s, tool_length_mm, ..reset };
         }
         Ok(())
     }
@@ -233,14 +238,17 @@ impl Tracer {
                 self.shift = V3::zeros();
                 self.stand(Action::Stop, moves);
             }
-            Some(Once::SetHome) => self.stand(Action::Stop, moves),
-            Some(Once::GoHome) => {
+            Some(Once::SetHome(which)) => {
+                self.homes[which] = self.position;
+                self.stand(Action::Stop, moves);
+            }
+            Some(Once::GoHome(which)) => {
                 let incremental = said.incremental.unwrap_or(self.incremental);
                 self.travel(self.target(given, incremental), moves);
                 let mut home = self.position;
                 for (axis, value) in given.iter().enumerate() {
                     if value.is_some() || !said.has_axes() {
-                        home[axis] = 0.0;
+                        home[axis] = self.homes[which][axis];
                     }
                 }
                 self.travel(home, moves);
@@ -392,7 +400,7 @@ fn refuse_unused(said: &Said, motion: Motion) -> Result<(), Refusal> {
         }
     }
     if !said.moves()
-        && !matches!(said.once, Some(Once::SetOffset | Once::Shift | Once::GoHome))
+        && !matches!(said.once, Some(Once::SetOffset | Once::Shift | Once::GoHome(_)))
         && said.tool_length.is_none()
     {
         unused.extend(b"XYZ");

@@ -28,8 +28,10 @@ impl Motion {
 pub(super) enum Once {
     Dwell,
     SetOffset,
-    GoHome,
-    SetHome,
+    /// To the stored place of G28 (0) or G30 (1).
+    GoHome(usize),
+    /// G28.1 (0) and G30.1 (1).
+    SetHome(usize),
     Machine,
     Shift,
     ClearShift,
@@ -148,8 +150,8 @@ impl Said {
                     (53, _) => Once::Machine,
                     (92, 0) => Once::Shift,
                     (92, _) => Once::ClearShift,
-                    (_, 0) => Once::GoHome,
-                    _ => Once::SetHome,
+                    (_, 0) => Once::GoHome(usize::from(code == 30)),
+                    _ => Once::SetHome(usize::from(code == 30)),
                 });
                 0
             }

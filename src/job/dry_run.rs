@@ -1,11 +1,12 @@
 //! Programs as people look at them before they cut: ours with their sheet, foreign ones with what their comments tell.
 
 use super::Error;
+use super::label::Label;
 use super::settings;
 use super::sheets::CutSheet;
 use super::stock::parse_stock;
 use crate::config::{Corner, Grain, Library, Machine, Profile, StockGrain};
-use crate::gcode::{self, Move, Program};
+use crate::gcode::{self, Move};
 use crate::geom::{P2, Rect, V2};
 use crate::preview::{Bed, ColorBy, GrainRun, MAX_MOVES, Run, Stock, html, run_canvas};
 use crate::progress::Warning;
@@ -60,25 +61,25 @@ pub struct Looked {
 pub fn look(order: &Look, library: &Library, form: Form, by: ColorBy) -> Result<Looked, Error> {
     let program = gcode::parse(order.text).map_err(|source| Error::Parse { file: order.name.into(), source })?;
     let moves = gcode::trace(&program).map_err(|source| Error::Trace { sheet: order.name.into(), source })?;
-    let told = |key: &str| told(&program, key);
+    let label = Label::of(&program);
     // A name in a comment may be of another computer's library; one on the command line must be known.
     let known = |name: Option<&str>| name.and_then(|n| library.machine(n).ok());
     let (machine, guessed) = match order.machine {
         Some(name) => (library.machine(name)?, false),
-        None => match known(told("machine")) {
+        None => match known(label.machine.as_deref()) {
             Some(machine) => (machine, false),
             None => (library.machine(USUAL_MACHINE)?, true),
         },
     };
     let profile = match order.material {
         Some(name) => Some(library.profile(name)?),
-        None => told("material").and_then(|name| library.profile(name).ok()),
+        None => label.material.and_then(|name| library.profile(&name).ok()),
     };
-    let stock = told("sheet").and_then(read_sheet).map(|(name, w, h)| stock(name, w, h, profile.as_ref()));
+    let stock = label.sheet.map(|sheet| stock(&sheet.stock, sheet.width_mm, sheet.height_mm, profile.as_ref()));
     let limits = settings::limits(&machine);
     let mut notes = Vec::new();
     notes.extend(profile.as_ref().map(|p| p.title.clone()));
-    notes.extend(told("UNCALIBRATED").map(|text| format!("UNCALIBRATED: {text}")));
+    notes.extend(label.uncalibrated.map(|text| format!("UNCALIBRATED: {text}")));
     if guessed {
         notes.push(format!(
             "No machine was named: times and bed are those of {}. --machine says otherwise.",
@@ -97,23 +98,6 @@ pub fn look(order: &Look, library: &Library, form: Form, by: ColorBy) -> Result<
         Form::Png(longer_px) => run_canvas(&run, &bed, by).to_png(longer_px).map_err(picture)?,
     };
     Ok(Looked { bytes, time_s, machine: machine.name, guessed })
-}
-
-/// What the program says of itself: `; key: value` before its first word.
-fn told<'a>(program: &'a Program, key: &str) -> Option<&'a str> {
-    let head = program.lines.iter().take_while(|line| line.words.is_empty());
-    head.filter_map(|line| line.comment.as_deref()?.split_once(':'))
-        .find(|(k, _)| k.trim() == key)
-        .map(|(_, v)| v.trim())
-}
-
-/// Reads "1/2 A4 297 x 210 mm".
-fn read_sheet(text: &str) -> Option<(&str, f64, f64)> {
-    let (_, rest) = text.strip_suffix(" mm")?.split_once(' ')?;
-    let (front, height) = rest.rsplit_once(" x ")?;
-    let (name, width) = front.rsplit_once(' ')?;
-    let size = |text: &str| text.parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
-    Some((name, size(width)?, size(height)?))
 }
 
 /// The bed of a machine. Work X0 Y0 lies in the machine's origin corner.
@@ -246,14 +230,5 @@ mod tests {
         assert_eq!(shown([MAX_MOVES, 1].into_iter()), 1);
         assert_eq!(shown([MAX_MOVES - 1, 1, 0].into_iter()), 3);
         assert_eq!(shown([MAX_MOVES + 1].into_iter()), 0);
-    }
-
-    #[test]
-    fn sheet_lines_are_read_and_others_left_alone() {
-        assert_eq!(read_sheet("1/2 A4 297 x 210 mm"), Some(("A4", 297.0, 210.0)));
-        assert_eq!(read_sheet("2/2 my big sheet 500 x 300 mm"), Some(("my big sheet", 500.0, 300.0)));
-        for text in ["A4", "1/2 A4 297 x nan mm", "1/1 -3 x 4 mm", ""] {
-            assert_eq!(read_sheet(text), None, "{text}");
-        }
     }
 }

@@ -30,14 +30,6 @@ pub enum Error {
         /// What is wrong and what would be right.
         problem: String,
     },
-    /// An SVG file that holds no outline.
-    #[error("{file}: {source}")]
-    Drawing {
-        /// The file.
-        file: String,
-        /// Where and why.
-        source: crate::drawing::Error,
-    },
     /// An edit does not apply, or does not any more.
     #[error(
         "{place}edit {number} ({what}) does not apply: {source}. Change it or take it out; `furbelow design undo` takes back the last one"
@@ -100,6 +92,14 @@ pub enum Error {
         sheet: String,
         /// Why.
         source: crate::gcode::Error,
+    },
+    /// A file is no drawing of ours, or holds no outline.
+    #[error("{file}: {source}")]
+    Drawing {
+        /// The file.
+        file: String,
+        /// Where and why.
+        source: crate::drawing::Error,
     },
     /// A file is no G-code.
     #[error("{file}: {source}")]

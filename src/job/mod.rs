@@ -8,13 +8,16 @@
 //! their folder and renamed at the end, so a failure leaves what was there before.
 
 mod artifacts;
+mod border;
 mod change;
 mod dry_run;
 mod edits;
 mod error;
+mod label;
 mod order;
 mod output;
 mod pictures;
+mod probe;
 mod realise;
 mod report;
 mod ruffle_json;
@@ -26,10 +29,13 @@ mod strips;
 mod survey;
 
 pub use crate::ruffle::Role as SectionRole;
+pub use border::take_in;
 pub use change::{Changed, Places, Request, change};
 pub use dry_run::{Form, Look, Looked, look};
 pub use error::Error;
+pub use label::{Label, SheetLabel};
 pub use order::{Order, Overrides, Source};
+pub use probe::{Difference, differences, machine_file, probed};
 pub use realise::{Realised, realise};
 pub use report::Report;
 pub use settings::{check_settings, expected, limits};

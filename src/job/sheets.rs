@@ -3,7 +3,8 @@
 use super::settings::Setup;
 use super::stock;
 use super::strips::Strips;
-use super::{Error, Order};
+use super::{Error, Order, SheetLabel};
+use crate::config::Grain;
 use crate::drawing::Drawing;
 use crate::gcode::{self, Header, Move, Program};
 use crate::geom::tolerance;
@@ -114,10 +115,12 @@ fn header(
 ) -> Header {
     let bounds = toolpath.bounds();
     let cut = &setup.pairing.cut;
+    let (width_mm, height_mm) = (toolpath.width_mm, toolpath.height_mm);
+    let sheet = SheetLabel { number, of: count, stock: stock.to_owned(), width_mm, height_mm };
     let mut entries = vec![
         ("job", order.name.clone()),
         ("design", order.hash()),
-        ("sheet", format!("{number}/{count} {stock} {:.0} x {:.0} mm", toolpath.width_mm, toolpath.height_mm)),
+        ("sheet", sheet.to_string()),
         ("machine", setup.machine.name.clone()),
         ("material", setup.profile.name.clone()),
         ("kerf", format!("{} mm", cut.kerf_mm)),
@@ -129,6 +132,9 @@ fn header(
         ("cut length", format!("{:.0} mm", toolpath.cut_mm())),
         ("planned time", minutes(time_s)),
     ];
+    if setup.profile.grain == Grain::Directional {
+        entries.push(("grain", "along X".to_owned()));
+    }
     if !cut.calibrated {
         entries.push(("UNCALIBRATED", format!("values {}; cut a test piece first", cut.source)));
     }

@@ -43,6 +43,14 @@ impl Board {
         self.settings.get(&number).map(|v| *v != 0.0)
     }
 
+    /// Bytes that may be under way. grblHAL's ring buffer holds one byte less than it tells; GRBL's holds what it tells.
+    pub(super) fn window_bytes(&self) -> usize {
+        match self.firmware {
+            Firmware::GrblHal => self.rx_bytes - 1,
+            Firmware::Grbl | Firmware::FluidNc => self.rx_bytes,
+        }
+    }
+
     /// Reports come in inches ($13).
     pub(super) fn inches(&self) -> bool {
         self.switch(13) == Some(true)

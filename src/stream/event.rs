@@ -18,8 +18,17 @@ pub enum Command {
         /// Where the tool must stand at its end, mm in work coordinates, when that is known.
         ends_at_mm: Option<[f64; 2]>,
     },
-    /// Send one line by itself: a question or an order.
+    /// Let the board read a program in its check mode (`$C`): nothing moves or burns. Every line it refuses is told as an [`Event::Trouble`]; the
+    /// outcome is [`Outcome::Done`] when it takes all of them. Lines that begin with `$` or would write the board's memory are not
+    /// sent, and told as messages. The position and work zero stay; G92 is forgotten.
+    Check {
+        /// Its lines.
+        lines: Lines,
+    },
+    /// Send one line by itself: a question or an order. [`Event::Answered`] follows, at once when nothing of it is to be sent.
     Line(String),
+    /// Ask the board all first questions again; [`Event::Ready`] follows, with its settings as they are now.
+    Ask,
     /// Seek the switches (`$H`).
     Home,
     /// Unlock after an alarm (`$X`).
@@ -30,6 +39,15 @@ pub enum Command {
         dx_mm: f64,
         /// Along y, mm.
         dy_mm: f64,
+        /// mm/min.
+        feed_mm_per_min: f64,
+    },
+    /// Move to a place in work coordinates, mm, at a feed in mm/min; an axis without a place stays where it is.
+    JogTo {
+        /// Along x, mm.
+        x_mm: Option<f64>,
+        /// Along y, mm.
+        y_mm: Option<f64>,
         /// mm/min.
         feed_mm_per_min: f64,
     },
@@ -49,7 +67,7 @@ pub enum Command {
     Stop,
     /// Reset at once, even while moving: the position may be lost.
     Reset,
-    /// The user goes away: whatever still runs is stopped as by [`Command::Stop`], once.
+    /// The user goes away: a job that runs is stopped as by [`Command::Stop`], once, and a jog is ended.
     Close,
 }
 
@@ -80,7 +98,7 @@ pub enum Event {
         /// GRBL's number of an error.
         error: Option<u16>,
     },
-    /// Something went wrong. When a job runs, it is being ended: [`Event::Ended`] follows.
+    /// Something went wrong. When a job runs, it is being ended: [`Event::Ended`] follows. A check goes on after a line that is refused.
     Trouble(Trouble),
     /// A command that cannot be obeyed now, and why.
     Denied(&'static str),

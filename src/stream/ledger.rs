@@ -25,6 +25,10 @@ pub(super) struct Ledger {
     progress: Progress,
     /// Lines accepted and not surely carried out, oldest first.
     accepted: VecDeque<usize>,
+    /// The last line behind which the machine rested with every line answered: what got lost is behind it.
+    agreed: usize,
+    /// What the board says no longer tells what is carried out.
+    closed: bool,
 }
 
 impl Ledger {
@@ -59,11 +63,30 @@ impl Ledger {
         self.carried_out_but(used_blocks);
     }
 
+    /// A report says that the machine rests, and every line sent is answered.
+    pub(super) fn agreed(&mut self) {
+        self.carried_out_but(0);
+        self.agreed = self.progress.acked;
+    }
+
+    /// Answers and lines do not agree: a line may have been lost whose answer seemed to come, anywhere behind the last time they did.
+    pub(super) fn doubt(&mut self) {
+        self.progress.executed = self.progress.executed.min(self.agreed);
+        self.close();
+    }
+
+    /// The board has thrown its lines away: that its planner is empty says nothing any more.
+    pub(super) fn close(&mut self) {
+        self.closed = true;
+    }
+
     fn carried_out_but(&mut self, open: usize) {
         while self.accepted.len() > open
             && let Some(line) = self.accepted.pop_front()
         {
-            self.progress.executed = line;
+            if !self.closed {
+                self.progress.executed = line;
+            }
         }
     }
 }
@@ -89,6 +112,20 @@ mod tests {
         assert_eq!(ledger.progress().executed, 94);
         ledger.resting(0);
         assert_eq!(ledger.progress().executed, 100);
+    }
+
+    #[test]
+    fn when_answers_and_lines_disagree_only_what_was_agreed_is_sure() {
+        let mut ledger = Ledger::default();
+        (1..=3).for_each(|line| ledger.accepted(line, 15));
+        ledger.agreed();
+        (4..=9).for_each(|line| ledger.accepted(line, 15));
+        ledger.resting(0);
+        assert_eq!(ledger.progress().executed, 9);
+        ledger.doubt();
+        ledger.accepted(10, 15);
+        ledger.resting(0);
+        assert_eq!(ledger.progress(), Progress { sent: 0, acked: 10, executed: 3 });
     }
 
     #[test]

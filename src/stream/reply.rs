@@ -32,6 +32,8 @@ pub(super) enum Reply {
     Buffers { blocks: usize, bytes: usize },
     /// `[VER:...]` of `$I`.
     Version(String),
+    /// `[FIRMWARE:...]` of `$I`, where it is one that is known.
+    Firmware(Firmware),
     /// `[MSG:...]`.
     Message(String),
     /// Any other answer, for people.
@@ -113,6 +115,7 @@ fn bracketed(inside: &str) -> Option<Reply> {
     let (key, value) = inside.split_once(':')?;
     match key {
         "MSG" => Some(Reply::Message(value.to_owned())),
+        "FIRMWARE" if value == "grblHAL" => Some(Reply::Firmware(Firmware::GrblHal)),
         "VER" => Some(Reply::Version(value.trim_end_matches(':').to_owned())),
         "OPT" => {
             let mut parts = value.split(',').skip(1);
@@ -161,6 +164,7 @@ mod tests {
         assert_eq!(read("$N0=G54"), Some(Reply::Text("$N0=G54".into())));
         assert_eq!(read("[OPT:VNMSL,35,1024,3,0]"), Some(Reply::Buffers { blocks: 35, bytes: 1024 }));
         assert_eq!(read("[MSG:'$H'|'$X' to unlock]"), Some(Reply::Message("'$H'|'$X' to unlock".into())));
+        assert_eq!(read("[FIRMWARE:grblHAL]"), Some(Reply::Firmware(Firmware::GrblHal)));
         assert_eq!(read("ALARM:2"), Some(Reply::Alarm(2)));
     }
 }

@@ -86,6 +86,20 @@ pub enum Trouble {
         /// What the board takes.
         limit: usize,
     },
+    /// A check has ended and not all lines were taken.
+    #[error("the board refuses {refused} of the job's lines: make the job again, or correct them")]
+    CheckRefused {
+        /// How many it refused.
+        refused: usize,
+    },
+    /// The board did not do with `$C` what GRBL does.
+    #[error(
+        "the board does not go into, stay in or leave check mode ($C) as GRBL does: it was reset, and the check says nothing"
+    )]
+    NoCheckMode,
+    /// A panic of ours.
+    #[error("the sender itself failed, which is a bug: the board was told to hold and reset")]
+    Broken,
     /// The program could not be read on.
     #[error("line {line} of the job cannot be read: {reason}")]
     Unreadable {

@@ -8,6 +8,7 @@
 //!
 //! Time is what callers say it is: a [`Duration`] since any moment of their choice, never running backwards.
 
+mod checking;
 mod replies;
 #[cfg(test)]
 mod scripted;
@@ -22,7 +23,7 @@ use std::time::Duration;
 
 use super::board::Board;
 use super::event::{Action, Command, Event, Lines};
-use super::ledger::Ledger;
+use super::ledger::{Ledger, Progress};
 use super::overrides::Overrides;
 use super::realtime;
 use super::sendable::Sendable;
@@ -87,8 +88,10 @@ struct Job {
     next: Option<(usize, Sendable)>,
     /// All lines are read.
     read: bool,
-    /// The laser has been switched off behind the last line.
-    darkened: bool,
+    /// What follows the last line has been sent: the laser off, or the way out of check mode.
+    closed: bool,
+    /// The board only reads it.
+    check: Option<checking::Checking>,
     ends_at_mm: Option<[f64; 2]>,
     ledger: Ledger,
 }
@@ -161,6 +164,11 @@ impl Session {
         self.job.is_some() || matches!(self.phase, Phase::Stopping(_))
     }
 
+    /// How far the job has come.
+    pub(super) fn progress(&self) -> Progress {
+        self.job.as_ref().map(|job| job.ledger.progress()).unwrap_or_default()
+    }
+
     /// Bytes have come.
     pub fn on_bytes(&mut self, now: Duration, bytes: &[u8]) -> Vec<Action> {
         self.now = now;
@@ -209,21 +217,30 @@ impl Session {
                 self.tell(Event::Denied("the job is being stopped"));
             }
             Command::Resume => self.byte(realtime::RESUME),
-            Command::JogCancel => {
-                self.alone.retain(|line| !line.starts_with("$J="));
-                self.byte(realtime::JOG_CANCEL);
-            }
+            Command::JogCancel => self.cancel_jogs(),
             Command::Override(which, percent) => self.overrides.want(which, percent),
             Command::Stop => self.stop(),
             Command::Reset => self.reset(),
             Command::Close => {
                 if self.job.is_some() && !matches!(self.phase, Phase::Stopping(_)) {
                     self.stop();
+                } else if self.state() == Some(State::Jog) || self.jogs_wait() {
+                    self.cancel_jogs();
                 }
             }
             Command::Run { lines, ends_at_mm } => {
                 if self.free_for_orders() {
                     self.start(lines, ends_at_mm);
+                }
+            }
+            Command::Check { lines } => {
+                if self.free_for_orders() {
+                    self.start_check(lines);
+                }
+            }
+            Command::Ask => {
+                if self.free_for_orders() {
+                    self.ask_again();
                 }
             }
             Command::Line(line) => self.order(&line),
@@ -232,6 +249,10 @@ impl Session {
             Command::Sleep => self.order("$SLP"),
             Command::Jog { dx_mm, dy_mm, feed_mm_per_min } => {
                 self.order(&format!("$J=G91G21X{dx_mm:.3}Y{dy_mm:.3}F{feed_mm_per_min:.0}"));
+            }
+            Command::JogTo { x_mm, y_mm, feed_mm_per_min } => {
+                let word = |axis: char, to: Option<f64>| to.map(|to| format!("{axis}{to:.3}")).unwrap_or_default();
+                self.order(&format!("$J=G90G21{}{}F{feed_mm_per_min:.0}", word('X', x_mm), word('Y', y_mm)));
             }
         }
         self.fill();
@@ -245,9 +266,19 @@ impl Session {
         }
         match super::sendable::sendable(line, 1, self.line_limit()) {
             Ok(Some(line)) => self.alone.push_back(line.text),
-            Ok(None) => {}
+            Ok(None) => self.tell(Event::Answered { line: String::new(), error: None }),
             Err(trouble) => self.tell(Event::Trouble(trouble)),
         }
+    }
+
+    fn jogs_wait(&self) -> bool {
+        let waits = self.alone.iter().map(String::as_str).chain(self.window.first().map(|entry| entry.text.as_str()));
+        waits.into_iter().any(|line| line.starts_with("$J="))
+    }
+
+    fn cancel_jogs(&mut self) {
+        self.alone.retain(|line| !line.starts_with("$J="));
+        self.byte(realtime::JOG_CANCEL);
     }
 
     /// Says why not when a line cannot be taken now.
@@ -269,10 +300,14 @@ impl Session {
             Some(State::Idle | State::Check) => {}
             _ => return self.tell(Event::Denied("the machine is not idle: home, unlock, resume or reset it first")),
         }
+        self.begin(lines, ends_at_mm, None);
+    }
+
+    fn begin(&mut self, lines: Lines, ends_at_mm: Option<[f64; 2]>, check: Option<checking::Checking>) {
         self.idle_since = None;
         self.rest_reports = 0;
         let ledger = Ledger::default();
-        self.job = Some(Job { lines, number: 0, next: None, read: false, darkened: false, ends_at_mm, ledger });
+        self.job = Some(Job { lines, number: 0, next: None, read: false, closed: false, check, ends_at_mm, ledger });
     }
 
     fn state(&self) -> Option<State> {

@@ -36,6 +36,10 @@ impl Session {
                 self.board.version = version;
                 self.tell(Event::Text(line.trim().to_owned()));
             }
+            Reply::Firmware(firmware) => {
+                self.board.firmware = firmware;
+                self.tell(Event::Text(line.trim().to_owned()));
+            }
             Reply::Message(message) => self.tell(Event::Message(message)),
             Reply::Buffers { .. } | Reply::Text(_) => self.tell(Event::Text(line.trim().to_owned())),
         }
@@ -72,6 +76,8 @@ impl Session {
                 let trouble = Trouble::Refused { line, text: entry.text, code, firmware: self.board.firmware };
                 if matches!(self.phase, Phase::Stopping(_)) {
                     self.tell(Event::Trouble(trouble))
+                } else if self.is_checking() {
+                    self.refused_in_check(line, trouble);
                 } else {
                     self.fail(trouble)
                 }
@@ -83,7 +89,11 @@ impl Session {
         if line == "$H" && error.is_none() {
             self.board.homed = true;
         }
+        let check_refused = error.is_some() && self.is_checking();
         self.tell(Event::Answered { line, error });
+        if check_refused {
+            return self.fail(Trouble::NoCheckMode);
+        }
         if matches!(self.phase, Phase::Asking) && self.alone.is_empty() && self.window.is_empty() {
             self.phase = Phase::Ready;
             let board = self.board.clone();
@@ -124,10 +134,12 @@ impl Session {
         match self.phase {
             Phase::Opening { .. } | Phase::Asking | Phase::Lost => self.ask(),
             Phase::Stopping(_) => self.finish_stop(true),
+            Phase::Ready if self.leaves_check() => self.finish_check(),
             Phase::Ready if self.job.is_some() => {
                 self.tell(Event::Trouble(Trouble::Restarted));
                 self.board.homed = false;
-                self.finish_restarted();
+                // Lines that were on the wire when it started anew are carried out by a board that knows nothing of what came before them.
+                self.reset_for(Some(Trouble::Restarted));
             }
             Phase::Ready => self.tell(Event::Restarted),
         }
@@ -147,7 +159,7 @@ impl Session {
             self.overrides.reported(told);
         }
         self.count_rest(&status);
-        let progress = self.job.as_ref().map(|job| job.ledger.progress()).unwrap_or_default();
+        let progress = self.progress();
         let state = status.state;
         self.status = Some(status.clone());
         self.tell(Event::Status(status, progress));
@@ -162,6 +174,7 @@ impl Session {
                     self.tell(Event::Trouble(Trouble::Asleep));
                     self.reset_for(Some(Trouble::Asleep));
                 }
+                _ if self.is_checking() => self.on_status_while_checking(state),
                 _ => self.end_when_done(),
             },
             _ => {}
@@ -170,6 +183,10 @@ impl Session {
 
     /// What a report says about lines carried out, and about rest.
     fn count_rest(&mut self, status: &Status) {
+        if let Some((free, _)) = status.free {
+            // A board that does not tell its planner's size has at least as many places as are free.
+            self.board.blocks = self.board.blocks.max(free);
+        }
         let used = status.free.map(|(blocks, _)| self.board.blocks.saturating_sub(blocks));
         let idle = matches!(status.state, State::Idle | State::Check);
         self.rest_reports = if idle && used.unwrap_or(0) == 0 { self.rest_reports + 1 } else { 0 };
@@ -181,10 +198,11 @@ impl Session {
         let rested = self.rested();
         if let Some(job) = &mut self.job {
             match used {
-                _ if rested => job.ledger.resting(0),
+                _ if rested => job.ledger.agreed(),
                 Some(used) if status.state == State::Hold(0) => job.ledger.resting(used),
-                Some(used) => job.ledger.moving(used),
-                None => {}
+                // An alarm empties the planner.
+                Some(used) if status.state != State::Alarm => job.ledger.moving(used),
+                _ => {}
             }
         }
     }

@@ -1,7 +1,8 @@
 //! What goes out: questions, orders and the lines of a job.
 
+use super::checking::read_on_checking;
 use super::{Job, Phase, Session};
-use crate::stream::event::{Action, Event};
+use crate::stream::event::{Action, Event, Outcome};
 use crate::stream::sendable::{Sendable, sendable};
 use crate::stream::status::State;
 use crate::stream::trouble::Trouble;
@@ -23,9 +24,15 @@ const REST_REPORTS: u32 = 2;
 impl Session {
     /// Begins to ask a board that has spoken.
     pub(super) fn ask(&mut self) {
-        self.phase = Phase::Asking;
         self.window.clear();
-        self.alone = QUESTIONS.iter().map(|q| (*q).to_owned()).collect();
+        self.alone.clear();
+        self.ask_again();
+    }
+
+    /// Asks everything behind what is still under way.
+    pub(super) fn ask_again(&mut self) {
+        self.phase = Phase::Asking;
+        self.alone.extend(QUESTIONS.iter().map(|q| (*q).to_owned()));
     }
 
     /// Longest line the board takes, in characters without the line feed.
@@ -79,25 +86,35 @@ impl Session {
             return Ok(if self.window.is_empty() { self.alone.pop_front().map(by_itself) } else { None });
         }
         let (limit, rested) = (self.line_limit(), self.rested());
+        if !self.may_read_on() {
+            return Ok(None);
+        }
         let Some(job) = &mut self.job else { return Ok(None) };
         if job.next.is_none() {
-            job.next = read_on(job, limit)?;
+            job.next = match &job.check {
+                Some(_) => read_on_checking(job, limit, &mut self.out)?,
+                None => read_on(job, limit)?,
+            };
         }
         match &job.next {
             Some((_, line)) if line.alone && !rested => Ok(None),
-            Some((_, line)) if !self.window.has_room(line.text.len(), self.board.rx_bytes) => Ok(None),
+            Some((_, line)) if !self.window.has_room(line.text.len(), self.board.window_bytes()) => Ok(None),
             Some(_) => Ok(job.next.take().map(|(number, line)| (Kind::Job(number), line))),
-            None if job.darkened || !self.window.is_empty() => Ok(None),
+            None if job.closed || !self.window.is_empty() => Ok(None),
             None => {
-                job.darkened = true;
-                Ok(Some(by_itself(DARK.to_owned())))
+                job.closed = true;
+                let last = match &mut job.check {
+                    Some(check) => check.leave(self.now),
+                    None => DARK,
+                };
+                Ok(Some(by_itself(last.to_owned())))
             }
         }
     }
 
     /// Ends a job whose lines are all carried out.
     pub(super) fn end_when_done(&mut self) {
-        let all_sent = self.job.as_ref().is_some_and(|job| job.read && job.next.is_none() && job.darkened);
+        let all_sent = self.job.as_ref().is_some_and(|job| job.read && job.next.is_none() && job.closed);
         if !all_sent || !self.alone.is_empty() || !self.rested() {
             return;
         }
@@ -109,19 +126,22 @@ impl Session {
         {
             return self.fail(Trouble::WrongPlace { expected_mm, found_mm });
         }
-        self.finish_done();
+        self.finish_at_rest(Outcome::Done);
     }
 
     /// Trouble: tells it and ends the job; without one it is only told.
     pub(super) fn fail(&mut self, trouble: Trouble) {
         self.tell(Event::Trouble(trouble.clone()));
-        if self.job.is_some() {
+        if let Some(job) = &mut self.job {
+            if matches!(trouble, Trouble::LostAnswer { .. } | Trouble::ExtraAnswer) {
+                job.ledger.doubt();
+            }
             self.brake(Some(trouble));
         }
     }
 }
 
-fn read_on(job: &mut Job, limit: usize) -> Result<Option<(usize, Sendable)>, Trouble> {
+pub(super) fn read_on(job: &mut Job, limit: usize) -> Result<Option<(usize, Sendable)>, Trouble> {
     while !job.read {
         let Some(line) = job.lines.next() else {
             job.read = true;

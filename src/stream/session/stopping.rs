@@ -63,6 +63,9 @@ impl Session {
     /// Resets without waiting for rest.
     pub(super) fn reset_for(&mut self, trouble: Option<Trouble>) {
         self.alone.clear();
+        if let Some(job) = &mut self.job {
+            job.ledger.close();
+        }
         let clean = self.state().is_some_and(|state| matches!(state, State::Hold(0) | State::Door(0 | 1)));
         self.byte(realtime::RESET);
         self.phase = Phase::Stopping(Stopping { trouble, since: self.now, reset: true, clean, idle_reports: 0 });
@@ -112,11 +115,6 @@ impl Session {
         self.end(outcome, clean, answered);
     }
 
-    /// The board has started anew by itself in the middle of a job.
-    pub(super) fn finish_restarted(&mut self) {
-        self.end(Outcome::Failed(Trouble::Restarted), false, true);
-    }
-
     /// Nothing can be said to the board any more.
     pub(super) fn lose(&mut self, trouble: Trouble) {
         self.phase = Phase::Lost;
@@ -124,9 +122,9 @@ impl Session {
         self.end(Outcome::Failed(trouble), false, false);
     }
 
-    /// All lines are carried out.
-    pub(super) fn finish_done(&mut self) {
-        self.end(Outcome::Done, true, true);
+    /// The machine rests where it should, dark.
+    pub(super) fn finish_at_rest(&mut self, outcome: Outcome) {
+        self.end(outcome, true, true);
     }
 
     fn end(&mut self, outcome: Outcome, position_kept: bool, beam_off: bool) {

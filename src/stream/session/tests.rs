@@ -165,6 +165,7 @@ fn a_banner_in_the_middle_of_a_job_ends_it_and_forgets_what_was_under_way() {
     assert_eq!(ending.outcome, Outcome::Failed(Trouble::Restarted));
     assert!(!ending.position_kept && bench.session.window.is_empty());
     assert!(bench.session.is_ready());
+    assert_eq!(bench.board.realtime, [0x18], "lines that were on the wire are thrown away");
 }
 
 #[test]
@@ -261,7 +262,7 @@ fn an_end_in_the_wrong_place_is_no_success() {
 fn an_answer_too_many_ends_the_job() {
     let mut bench = Bench::ready(Board::new(50));
     bench.send(moves(10));
-    bench.run_until(500, |b| b.session.job.as_ref().is_some_and(|j| j.darkened) && b.session.window.is_empty());
+    bench.run_until(500, |b| b.session.job.as_ref().is_some_and(|j| j.closed) && b.session.window.is_empty());
     bench.board.say("ok");
     assert_eq!(bench.end(2_000).outcome, Outcome::Failed(Trouble::ExtraAnswer));
 }

@@ -25,6 +25,7 @@ impl Session {
                 }
                 self.watch_silence();
                 self.watch_answers();
+                self.watch_check();
             }
             Phase::Stopping(_) => {
                 self.poll(BRAKING_STATUS_EVERY);
