@@ -1,14 +1,17 @@
 //! Fills an outline with a ruffle: draws clean stacks, lets them settle, adjusts section lengths, and keeps what fills best.
 
+mod edits;
 mod report;
 mod rule;
 
+pub use edits::Edits;
 pub use report::{FootUsed, Report, warnings};
 
 use crate::cut::{Outline, PlaneFrame};
 use crate::extrude::{Extruder, Span};
+use crate::geom::V2;
 use crate::progress::{Observer, Progress, Quiet};
-use crate::ruffle::{Drawn, Layering, Ruffle, StackError, StackSettings, draw_stack};
+use crate::ruffle::{Drawn, EditError, Layering, Node, Ruffle, StackError, StackSettings, draw_stack};
 use crate::sim::{self, Equilibrium, Material, Outcome, Solver, Supports};
 use std::ops::ControlFlow;
 
@@ -25,6 +28,9 @@ pub struct Target<'a> {
     pub extruder: &'a Extruder,
     /// The sheet, along the strip.
     pub material: &'a Material,
+    /// Dead loads besides the strip's own weight, plane frame, N: parts that hang on this one. Nodes are those of the settled part or, while filling, of the drawing,
+    /// after any edits: ask for a number of layers then, so that there is only one numbering.
+    pub loads_n: &'a [(Node, V2)],
 }
 
 /// How the bottom rung stands.
@@ -122,6 +128,14 @@ pub enum Error {
         /// Why.
         source: StackError,
     },
+    /// An edit does not apply to any drawing.
+    #[error("part {part}: {source}")]
+    Edit {
+        /// The part.
+        part: String,
+        /// Why.
+        source: EditError,
+    },
     /// The solver was given something impossible.
     #[error("part {part}: {source}")]
     Solve {
@@ -144,17 +158,31 @@ pub enum Error {
     },
 }
 
-/// Fills `target`. Stopped early, it keeps the best so far. [`warnings`] says what the user should know about the result.
-pub fn fit(target: &Target, settings: &Settings, observer: &mut dyn Observer) -> Result<Part, Error> {
-    let starts = starts(target, settings)?;
+/// Fills `target` with a strip that has been edited as asked. Stopped early, it keeps the best so far. [`warnings`] says what the user should know about the result.
+pub fn fit(
+    target: &Target,
+    settings: &Settings,
+    edits: Option<&Edits>,
+    observer: &mut dyn Observer,
+) -> Result<Part, Error> {
+    let starts = starts(target, settings, edits)?;
     let feet: &[FootUsed] = match settings.foot {
         Foot::Auto => &[FootUsed::Free, FootUsed::Pinned],
         Foot::Free => &[FootUsed::Free],
         Foot::Pinned => &[FootUsed::Pinned],
     };
     let total = (starts.len() * feet.len() * (settings.rounds + 1)) as u64;
-    let mut search =
-        Search { target, settings, observer, best: None, done: 0, total, stopped: false, residual_n: f64::INFINITY };
+    let mut search = Search {
+        target,
+        settings,
+        edits,
+        observer,
+        best: None,
+        done: 0,
+        total,
+        stopped: false,
+        residual_n: f64::INFINITY,
+    };
     for foot in feet {
         for start in &starts {
             search.run(start, *foot)?;
@@ -203,31 +231,47 @@ fn solver(
         FootUsed::Free => Supports { pinned: Vec::new(), upright: vec![ruffle.foot[0]] },
     };
     let settings = sim::Settings { floor_mm: floor_mm(target.outline), ..settings.solver };
-    Solver::new(ruffle, &widths(spans), target.material, &supports, &settings)
+    let mut solver = Solver::new(ruffle, &widths(spans), target.material, &supports, &settings)?;
+    solver.load(target.loads_n)?;
+    Ok(solver)
 }
 
-/// Drawings to start from. A layering that finds no place is passed over as long as another does.
-fn starts(target: &Target, settings: &Settings) -> Result<Vec<Drawn>, Error> {
+/// Drawings to start from. A layering that finds no place, or that the edits do not apply to, is passed over as long as another does.
+fn starts(target: &Target, settings: &Settings, edits: Option<&Edits>) -> Result<Vec<Drawn>, Error> {
     let mut starts: Vec<Drawn> = Vec::new();
-    let mut refused = None;
+    let mut refused: Option<Error> = None;
+    let mut layers = settings.stack.layers;
     for layering in std::iter::once(settings.stack.layering).chain(settings.other_layerings.iter().copied()) {
-        // Large shapes are folded in larger segments: as many as a shape of the usual size has.
-        let segment_mm = settings.stack.segment_mm * (target.outline.bounds().height() / FULL_DETAIL_MM).max(1.0);
-        match draw_stack(target.outline, &StackSettings { layering, segment_mm, ..settings.stack }) {
-            Ok(mut drawn) => {
-                let drop = target.outline.bounds().min.y - floor_mm(target.outline);
-                drawn.positions.iter_mut().for_each(|p| p.y -= drop);
+        match start(target, &StackSettings { layering, layers, ..settings.stack }, edits) {
+            Ok((drawn, drawn_layers)) => {
+                layers = layers.or(edits.map(|_| drawn_layers));
                 if !starts.contains(&drawn) {
                     starts.push(drawn);
                 }
             }
-            Err(source) => refused = refused.or(Some(source)),
+            Err(error) => refused = refused.or(Some(error)),
         }
     }
     match refused {
-        Some(source) if starts.is_empty() => Err(Error::Stack { part: target.name.into(), source }),
+        Some(error) if starts.is_empty() => Err(error),
         _ => Ok(starts),
     }
+}
+
+/// One drawing with its edits, on the floor, and its number of layers before them.
+fn start(target: &Target, settings: &StackSettings, edits: Option<&Edits>) -> Result<(Drawn, usize), Error> {
+    // Large shapes are folded in larger segments: as many as a shape of the usual size has.
+    let segment_mm = settings.segment_mm * (target.outline.bounds().height() / FULL_DETAIL_MM).max(1.0);
+    let drawn = draw_stack(target.outline, &StackSettings { segment_mm, ..*settings })
+        .map_err(|source| Error::Stack { part: target.name.into(), source })?;
+    let layers = drawn.ruffle.sections.len() / 4;
+    let mut drawn = match edits {
+        Some(edits) => edits.edited(&drawn).map_err(|source| Error::Edit { part: target.name.into(), source })?,
+        None => drawn,
+    };
+    let drop = target.outline.bounds().min.y - floor_mm(target.outline);
+    drawn.positions.iter_mut().for_each(|p| p.y -= drop);
+    Ok((drawn, layers))
 }
 
 /// Outlines up to this high, mm, are folded in segments of the length asked for.
@@ -243,6 +287,7 @@ struct Candidate {
 struct Search<'a> {
     target: &'a Target<'a>,
     settings: &'a Settings,
+    edits: Option<&'a Edits<'a>>,
     observer: &'a mut dyn Observer,
     best: Option<Candidate>,
     done: u64,
@@ -282,7 +327,8 @@ impl Search<'_> {
             spans = target.extruder.spans(&ruffle, &positions);
             self.consider(&ruffle, &spans, equilibrium, foot);
             for (section, length) in rule.lengths(&ruffle, &positions).into_iter().enumerate() {
-                if !(foot == FootUsed::Pinned && between_pins(&ruffle, section)) {
+                let held = foot == FootUsed::Pinned && between_pins(&ruffle, section);
+                if !held && !self.edits.is_some_and(|e| e.pins(section)) {
                     ruffle.set_section_length(section, length);
                 }
             }
@@ -370,6 +416,7 @@ mod tests {
     use super::*;
     use crate::geom::{P2, P3, V3};
     use crate::progress::Warning;
+    use crate::ruffle::{EditSettings, Limits, densify};
 
     fn frame() -> PlaneFrame {
         PlaneFrame { origin: P3::origin(), u: V3::x(), v: V3::y(), normal: V3::z() }
@@ -394,8 +441,9 @@ mod tests {
         observer: &mut dyn Observer,
     ) -> Result<(Part, Vec<Warning>), Error> {
         let extruder = Extruder::constant(-20.0, 20.0).unwrap();
-        let target = Target { name: "A", frame: &frame(), outline, extruder: &extruder, material: &paper() };
-        let part = settle(&target, settings, fit(&target, settings, observer)?)?;
+        let target =
+            Target { name: "A", frame: &frame(), outline, extruder: &extruder, material: &paper(), loads_n: &[] };
+        let part = settle(&target, settings, fit(&target, settings, None, observer)?)?;
         let warnings = warnings(&part, settings);
         Ok((part, warnings))
     }
@@ -431,6 +479,52 @@ mod tests {
         let codes: Vec<&str> = warnings.iter().map(|w| w.code).collect();
         assert!(codes.contains(&"bend-tight") && codes.contains(&"void-small"), "{codes:?}");
         assert!(part.report.min_radius_mm < 50.0 && part.report.min_void_mm < 50.0);
+    }
+
+    #[test]
+    fn edits_shape_every_start_and_pinned_lengths_stay() {
+        let square = polygon(&[(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)]);
+        let (extruder, frame, material) = (Extruder::constant(-20.0, 20.0).unwrap(), frame(), paper());
+        let target = Target {
+            name: "A",
+            frame: &frame,
+            outline: &square,
+            extruder: &extruder,
+            material: &material,
+            loads_n: &[],
+        };
+        let edit_settings = EditSettings { segment_mm: 3.0, limits: Limits::default() };
+        let dense = |drawn: &Drawn| densify(drawn, 1, &edit_settings);
+        let edits = Edits { apply: &dense, lengths_mm: &[(0, 66.0)] };
+        let part = fit(&target, &Settings::default(), Some(&edits), &mut Quiet).unwrap();
+        assert_eq!(part.ruffle.densified.made.len(), 1);
+        assert!((part.ruffle.section_length(0) - 66.0).abs() < 1e-9);
+        let gone = Edits { apply: &|drawn| densify(drawn, 99, &edit_settings), lengths_mm: &[] };
+        let error = fit(&target, &Settings::default(), Some(&gone), &mut Quiet).unwrap_err();
+        assert!(error.to_string().starts_with("part A: there is no section 99"), "{error}");
+    }
+
+    #[test]
+    fn a_load_on_a_node_is_borne_by_the_settled_part() {
+        let square = polygon(&[(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)]);
+        let (extruder, frame, material) = (Extruder::constant(-20.0, 20.0).unwrap(), frame(), paper());
+        let plain = Target {
+            name: "A",
+            frame: &frame,
+            outline: &square,
+            extruder: &extruder,
+            material: &material,
+            loads_n: &[],
+        };
+        let settings = Settings { rounds: 0, foot: Foot::Pinned, ..Settings::default() };
+        let part = fit(&plain, &settings, None, &mut Quiet).unwrap();
+        let highest = |part: &Part| part.equilibrium.positions.iter().map(|p| p.y).fold(0.0, f64::max);
+        let before = highest(&part);
+        let top = *part.ruffle.walk.last().unwrap();
+        let loaded = Target { loads_n: &[(top, V2::new(0.0, -0.1))], ..plain };
+        let part = settle(&loaded, &settings, part).unwrap();
+        assert_eq!(part.equilibrium.outcome, Outcome::Converged);
+        assert!(highest(&part) < before - 1.0, "{} against {before} mm", highest(&part));
     }
 
     #[test]

@@ -58,10 +58,11 @@ pub fn realise(design: &Design, folder: &Path, setup: &Setup, observer: &mut dyn
             outline: &section.outline,
             extruder: &extruder,
             material: &material,
+            loads_n: &[],
         };
         let settings = setup.fit(part.layers, part.foot);
         let began = Instant::now();
-        let filled = fit::fit(&target, &settings, observer)?;
+        let filled = fit::fit(&target, &settings, None, observer)?;
         realised.fit_ms += began.elapsed().as_secs_f64() * 1e3;
         let began = Instant::now();
         let settled = fit::settle(&target, &settings, filled)?;

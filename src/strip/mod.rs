@@ -180,8 +180,9 @@ mod tests {
             outline: &Outline { outer, holes: Vec::new() },
             extruder: &Extruder::constant(-0.5 * width_mm, 0.5 * width_mm).unwrap(),
             material: &material,
+            loads_n: &[],
         };
-        fit::fit(&target, &fit::Settings { rounds: 0, ..fit::Settings::default() }, &mut Quiet).unwrap()
+        fit::fit(&target, &fit::Settings { rounds: 0, ..fit::Settings::default() }, None, &mut Quiet).unwrap()
     }
 
     fn settings(max_piece_mm: f64) -> Settings {
