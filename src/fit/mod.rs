@@ -524,7 +524,7 @@ mod tests {
         let loaded = Target { loads_n: &[(top, V2::new(0.0, -0.1))], ..plain };
         let part = settle(&loaded, &settings, part).unwrap();
         assert_eq!(part.equilibrium.outcome, Outcome::Converged);
-        assert!(highest(&part) < before - 1.0, "{} against {before} mm", highest(&part));
+        assert!(highest(&part) < before - 0.3, "{} against {before} mm", highest(&part));
     }
 
     #[test]
