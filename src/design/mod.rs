@@ -2,7 +2,10 @@
 //!
 //! A design holds decisions only; everything else follows from them and is worked out anew each time, so the same file gives the same bytes.
 
+mod apart;
 mod edit;
+
+pub use apart::{Connector, Split, StripAlong};
 
 use crate::cut::Plane;
 use crate::geom::{P3, V3};
@@ -24,11 +27,20 @@ pub struct Design {
     /// Stock to use, in order of preference; empty takes what the material offers.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stock: Vec<String>,
+    /// Which way strips run in the sheet.
+    #[serde(default, skip_serializing_if = "StripAlong::is_default")]
+    pub strip_along: StripAlong,
     /// The shape.
     pub mesh: MeshSource,
+    /// How it is taken apart, in order.
+    #[serde(default, rename = "split", skip_serializing_if = "Vec::is_empty")]
+    pub splits: Vec<Split>,
     /// How it is filled, one entry a part.
     #[serde(rename = "part")]
     pub parts: Vec<PartDesign>,
+    /// Strips that tie parts together. Two parts that none of them ties get the nearest connection points.
+    #[serde(default, rename = "connector", skip_serializing_if = "Vec::is_empty")]
+    pub connectors: Vec<Connector>,
 }
 
 /// The shape a design starts from.
@@ -66,6 +78,9 @@ pub enum Up {
 pub struct PartDesign {
     /// A letter or short word; joints are numbered behind it.
     pub name: String,
+    /// Bodies of the mesh that it is made of, counted from 1 in the file's order; none: what a split called so, or else the whole shape.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<usize>,
     /// Where the shape is cut; default: upright through the middle, across its thinner side.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plane: Option<PlaneSource>,
@@ -188,16 +203,11 @@ impl Design {
             if part.layers == Some(0) {
                 return wrong(key("layers"), "must be at least 1");
             }
-            if let Some(plane) = part.plane {
-                let [x, y, z] = plane.normal;
-                let length = V3::new(x, y, z).norm();
-                let finite = plane.origin_mm.iter().chain(&plane.normal).all(|v| v.is_finite());
-                if !finite || length < 1e-9 {
-                    return wrong(key("plane"), "needs finite numbers and a normal that is not zero");
-                }
+            if let Some(problem) = part.plane.as_ref().and_then(PlaneSource::problem) {
+                return wrong(key("plane"), problem);
             }
         }
-        Ok(())
+        self.check_apart(file)
     }
 }
 
@@ -227,6 +237,12 @@ fn syntax_error(file: &str, text: &str, error: &toml::de::Error) -> Error {
 }
 
 impl PlaneSource {
+    /// What keeps it from being a plane.
+    fn problem(&self) -> Option<&'static str> {
+        let finite = self.origin_mm.iter().chain(&self.normal).all(|v| v.is_finite());
+        (!finite || V3::from(self.normal).norm() < 1e-9).then_some("needs finite numbers and a normal that is not zero")
+    }
+
     /// The plane, with a unit normal.
     pub fn plane(&self) -> Plane {
         Plane { origin: P3::from(self.origin_mm), normal: V3::from(self.normal).normalize() }
@@ -243,9 +259,13 @@ mod tests {
             machine: "diode-400".into(),
             material: "paper-160".into(),
             stock: vec!["A3".into()],
+            strip_along: StripAlong::Grain,
+            splits: Vec::new(),
+            connectors: Vec::new(),
             mesh: MeshSource { file: "stool.obj".into(), sha256: None, up: Some(Up::Y), height_mm: Some(100.0) },
             parts: vec![PartDesign {
                 name: "A".into(),
+                bodies: Vec::new(),
                 plane: Some(PlaneSource { origin_mm: [0.0; 3], normal: [0.0, 0.0, 2.0] }),
                 layers: Some(4),
                 foot: Foot::Pinned,

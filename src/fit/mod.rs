@@ -1,10 +1,14 @@
 //! Fills an outline with a ruffle: draws clean stacks, lets them settle, adjusts section lengths, and keeps what fills best.
 
 mod edits;
+mod forest;
+mod loads;
 mod report;
 mod rule;
 
 pub use edits::Edits;
+pub use forest::{Body, Forest, Lean, Meeting, forest};
+pub use loads::settle_together;
 pub use report::{FootUsed, Report, warnings};
 
 use crate::cut::{Outline, PlaneFrame};
@@ -115,6 +119,8 @@ pub struct Part {
     pub equilibrium: Equilibrium,
     /// How well it fills and whether it can be made.
     pub report: Report,
+    /// Forces on its nodes besides its own weight, plane frame, N: what the parts it bears weigh.
+    pub loads_n: Vec<(Node, V2)>,
 }
 
 /// Why a part could not be filled.
@@ -216,6 +222,7 @@ fn part(target: &Target, ruffle: Ruffle, spans: Vec<Span>, equilibrium: Equilibr
         spans,
         equilibrium,
         report,
+        loads_n: target.loads_n.to_vec(),
     }
 }
 
