@@ -8,6 +8,7 @@
 //! their folder and renamed at the end, so a failure leaves what was there before.
 
 mod artifacts;
+mod bodies;
 mod dry_run;
 mod error;
 mod order;
@@ -18,8 +19,10 @@ mod report;
 mod ruffle_json;
 mod settings;
 mod sheets;
+mod standing;
 mod stock;
 mod strips;
+mod ties;
 
 pub use dry_run::{Form, Look, Looked, look};
 pub use error::Error;

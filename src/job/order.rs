@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::output::{absolute, relative};
-use crate::design::{Design, Foot, MeshSource, PartDesign, SCHEMA, Up};
+use crate::design::{Design, Foot, MeshSource, PartDesign, SCHEMA, StripAlong, Up};
 use crate::mesh;
 use sha2::{Digest, Sha256};
 use std::io::Read;
@@ -54,8 +54,17 @@ impl Order {
             machine: NOT_NAMED.into(),
             material: NOT_NAMED.into(),
             stock: Vec::new(),
+            strip_along: StripAlong::Grain,
+            splits: Vec::new(),
+            connectors: Vec::new(),
             mesh: MeshSource { file, sha256: Some(sha256_of(&mesh)?), up: None, height_mm: None },
-            parts: vec![PartDesign { name: "A".into(), plane: None, layers: None, foot: Foot::Auto }],
+            parts: vec![PartDesign {
+                name: "A".into(),
+                bodies: Vec::new(),
+                plane: None,
+                layers: None,
+                foot: Foot::Auto,
+            }],
         };
         Ok(Order { design: overridden(design, overrides)?, text: None, folder, force: false })
     }

@@ -116,9 +116,9 @@ pub struct SheetReport {
 /// One connector strip.
 #[derive(Debug, Clone, Serialize)]
 pub struct ConnectorReport {
-    /// Part at one end.
+    /// Joint at one end: "A7".
     pub from: String,
-    /// Part at the other.
+    /// Joint at the other.
     pub to: String,
     /// The piece.
     pub piece: String,
@@ -203,6 +203,11 @@ pub(super) fn report(
         width_mm: rounded(piece.width_mm),
         mass_g: rounded(piece.mass_g),
     });
+    let connectors = strips.connectors.iter().map(|c| ConnectorReport {
+        from: c.from.clone(),
+        to: c.to.clone(),
+        piece: c.piece.name.clone(),
+    });
     let cut_sheets = sheets.sheets.iter().map(|sheet| SheetReport {
         file: format!("sheets/{}.nc", sheet.file),
         stock: sheet.stock.clone(),
@@ -238,7 +243,7 @@ pub(super) fn report(
         parts: parts.collect(),
         pieces: pieces.collect(),
         sheets: cut_sheets.collect(),
-        connectors: Vec::new(),
+        connectors: connectors.collect(),
         totals,
         warnings,
         timing,

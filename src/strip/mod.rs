@@ -3,12 +3,16 @@
 //! Strip frame: s along the strip from its first connection point, w across (the plane's normal), mm. Pieces are seen from the side that the first loop
 //! shows outward.
 
+mod base_card;
+mod connector;
 mod edge;
 mod fasten;
 mod joint;
 mod label;
 mod splice;
 
+pub use base_card::base_card;
+pub use connector::{Connector, PartJoint, connector, nearest_joints};
 pub use joint::Joint;
 
 use crate::drawing::{Drawing, DrawnPath, KerfSide, Role};
@@ -50,6 +54,22 @@ pub struct Piece {
     pub mass_g: f64,
 }
 
+impl Piece {
+    /// A piece as large as its drawing and as heavy as its contour encloses.
+    fn new(name: String, part: &str, drawing: Drawing, grammage_g_per_m2: f64) -> Piece {
+        let bounds = drawing.bounds();
+        let area_mm2 = drawing.outline().map_or(0.0, Path::signed_area);
+        Piece {
+            name,
+            part: part.to_owned(),
+            drawing,
+            length_mm: bounds.width(),
+            width_mm: bounds.height(),
+            mass_g: area_mm2 * 1e-6 * grammage_g_per_m2,
+        }
+    }
+}
+
 /// All pieces of one part and how well their joints are defined.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pieces {
@@ -77,6 +97,18 @@ pub enum Error {
         max_piece_mm: f64,
         /// Least length needed.
         least_mm: f64,
+    },
+    /// A connector names a joint that is not there.
+    #[error(
+        "a connector names joint {part}{joint}, but part {part} has joints {part}1 to {part}{last}; parts/{part}.svg shows them"
+    )]
+    NoSuchJoint {
+        /// The part.
+        part: String,
+        /// Number asked for.
+        joint: u32,
+        /// Highest number there is.
+        last: usize,
     },
     /// No gap between joints is long enough for a splice.
     #[error(
@@ -120,17 +152,8 @@ pub fn pieces(part: &Part, settings: &Settings) -> Result<Pieces, Error> {
             paths.extend(labels);
             label_collisions += collisions;
         }
-        let outline_mm2 = paths[0].path.signed_area();
         let drawing = Drawing { name: name.clone(), paths };
-        let bounds = drawing.bounds();
-        pieces.push(Piece {
-            name,
-            part: part.name.clone(),
-            drawing,
-            length_mm: bounds.width(),
-            width_mm: bounds.height(),
-            mass_g: outline_mm2 * 1e-6 * settings.grammage_g_per_m2,
-        });
+        pieces.push(Piece::new(name, &part.name, drawing, settings.grammage_g_per_m2));
     }
     if ranges.len() > 1 {
         warnings.push(
