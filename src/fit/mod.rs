@@ -2,12 +2,14 @@
 
 mod edits;
 mod forest;
+mod gaps;
 mod loads;
 mod report;
 mod rule;
 
 pub use edits::Edits;
 pub use forest::{Body, Forest, Lean, Meeting, forest};
+pub use gaps::{Gap, Neck, largest_gap, neck};
 pub use loads::settle_together;
 pub use report::{FootUsed, Report, warnings};
 

@@ -14,6 +14,7 @@ mod error;
 mod order;
 mod output;
 mod pictures;
+mod proposal;
 mod realise;
 mod report;
 mod ruffle_json;

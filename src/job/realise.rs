@@ -4,7 +4,7 @@ use super::Error;
 use super::bodies::{self, Bodies};
 use super::order::sha256_of;
 use super::settings::Setup;
-use super::{standing, ties};
+use super::{proposal, standing, ties};
 use crate::cut::{self, cut, default_plane};
 use crate::design::Design;
 use crate::extrude::Extruder;
@@ -98,6 +98,7 @@ pub fn realise(design: &Design, folder: &Path, setup: &Setup, observer: &mut dyn
     for (i, part) in realised.parts.iter().enumerate() {
         realised.based.push(part.report.foot == FootUsed::Pinned && standing.on_the_ground(i));
         realised.warnings.extend(fit::warnings(part, &settings[i]));
+        realised.warnings.extend(proposal::emptiness(design, part));
         realised.warnings.extend(depth_warnings(part, targets[i].extruder, setup.joint().min_width_mm));
     }
     Ok(realised)
