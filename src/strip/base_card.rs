@@ -63,5 +63,11 @@ pub fn base_card(part: &Part, settings: &Settings) -> Piece {
         let corner = Motion::translation(card.min.x + CLEAR_MM, card.max.y - CLEAR_MM - height);
         paths.extend(text_paths(&title, height).iter().map(|p| inked(p.moved(&corner), Role::Label, None)));
     }
-    Piece::new(name.clone(), &part.name, Drawing { name, paths }, settings.grammage_g_per_m2)
+    Piece::new(
+        name.clone(),
+        &part.name,
+        Drawing { name, paths },
+        (card.min.x..card.max.x, Vec::new()),
+        settings.grammage_g_per_m2,
+    )
 }

@@ -1,9 +1,10 @@
 //! Strips that tie two parts together: each end lies over a joint of one part, and the joint's own flap goes through it as well (paper section 3.2).
 
-use super::{Error, Piece, Settings};
+use super::{Error, Face, Half, Passage, Piece, Seat, Settings};
 use crate::drawing::{Drawing, DrawnPath, KerfSide, Role, text_paths, text_width};
 use crate::fit::Part;
 use crate::geom::{Motion, P2, P3, Path, V2, V3};
+use std::ops::Range;
 
 /// A joint of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,7 +55,7 @@ pub fn nearest_joints(parts: &[Part], [a, b]: [usize; 2], line: [P3; 2]) -> Vec<
 /// The connector between two joints. `pieces` are those of all parts: they tell where the flaps are.
 ///
 /// # Errors
-/// A joint that its part does not have.
+/// A joint that its part does not have, or that has no flap.
 pub fn connector(
     parts: &[Part],
     pieces: &[Piece],
@@ -63,41 +64,47 @@ pub fn connector(
 ) -> Result<Connector, Error> {
     let (start, end) = (End::new(parts, pieces, from)?, End::new(parts, pieces, to)?);
     let joint = &settings.joint;
-    let apart = |w: &(f64, f64)| (start.at(w.0) - end.at(w.1)).norm();
-    let pairs = start.flaps_mm.iter().flat_map(|a| end.flaps_mm.iter().map(|b| (*a, *b)));
-    let (w0, w1) = pairs.min_by(|s, t| apart(s).total_cmp(&apart(t))).unwrap_or((0.0, 0.0));
-    let (p, mut q) = (start.at(w0), end.at(w1));
+    let pairs = start.seats.iter().flat_map(|a| end.seats.iter().map(|b| (*a, *b)));
+    let apart = |(a, b): &(Seat, Seat)| (start.at(a) - end.at(b)).norm();
+    let nearest = pairs.min_by(|s, t| apart(s).total_cmp(&apart(t)));
+    let Some((a, b)) = nearest else {
+        return Err(Error::NoFlap { from: start.name, to: end.name });
+    };
+    let (p, mut q) = (start.at(&a), end.at(&b));
     let mut shift = 0.0;
     if start.normal.dot(&end.normal).abs() > SAME_ACROSS {
         shift = (q - p).dot(&start.normal);
         q -= start.normal * shift;
     }
     // Either end may leave its joint either way along the strip there: the shortest strip is meant.
-    let ways = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(a, b)| (start.along * a, end.along * b));
-    let length = |way: &(V3, V3)| bent_length_mm(p, way.0, q, way.1);
+    let ways = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+    let length = |(f, t): &(f64, f64)| bent_length_mm(p, start.along * *f, q, end.along * *t);
     let way = ways.iter().min_by(|a, b| length(a).total_cmp(&length(b))).unwrap_or(&ways[0]);
     let between = length(way).max(2.0 * joint.cut_distance_mm);
-    let lead = |points: V3, leaves: V3| joint.slit_ahead_mm * points.dot(&leaves).signum();
-    let slits = [
-        (P2::new(lead(start.points, way.0), 0.0), &start.name),
-        (P2::new(between + lead(end.points, way.1), shift), &end.name),
+    // Flaps that point along the strip of their part point along this one or against it.
+    let passages = [
+        start.passage(0.0, Seat { across_mm: 0.0, direction: a.direction * way.0 }),
+        end.passage(between, Seat { across_mm: shift, direction: b.direction * way.1 }),
     ];
     let name = format!("{}-{}", start.name, end.name);
-    let drawing = drawn(&name, slits, settings);
-    let piece = Piece::new(name, &parts[from.part].name, drawing, settings.grammage_g_per_m2);
+    let (drawing, range) = drawn(&name, &passages, settings);
+    let grammage = settings.grammage_g_per_m2;
+    let piece = Piece::new(name, &parts[from.part].name, drawing, (range, passages.to_vec()), grammage);
     Ok(Connector { from: start.name, to: end.name, piece })
 }
 
-/// The flat piece: a band with a slit near each end, the joints' numbers behind them.
-fn drawn(name: &str, slits: [(P2, &String); 2], settings: &Settings) -> Drawing {
+/// The flat piece, a band with a slit near each end and the joints' numbers behind them; and from where to where it runs, mm.
+fn drawn(name: &str, passages: &[Passage; 2], settings: &Settings) -> (Drawing, Range<f64>) {
     let joint = &settings.joint;
     let lettered = settings.label_mm.unwrap_or(0.0);
     let text = |s: &str| text_width(s, lettered);
-    let tab = |s: &str| joint.end_tab_mm.max(text(s) + 2.0 * CLEAR_MM + joint.slit_width_mm);
+    let cuts = passages.each_ref().map(|p| p.bounds(joint));
+    let [from, to] = passages.each_ref().map(|p| p.joint.as_str());
+    let tab = |s: &str| joint.end_tab_mm.max(text(s) + 2.0 * CLEAR_MM);
     let half = 0.5 * joint.min_width_mm;
-    let [(a, from), (b, to)] = slits;
-    let (left, right) = (a.x - tab(from), b.x + tab(to));
-    let (low, high) = (a.y.min(b.y) - half, a.y.max(b.y) + half);
+    let (left, right) = (cuts[0].min.x - tab(from), cuts[1].max.x + tab(to));
+    let middles = cuts.map(|c| c.center().y);
+    let (low, high) = (middles[0].min(middles[1]) - half, middles[0].max(middles[1]) + half);
     let corners = [(left, low), (right, low), (right, high), (left, high)].map(|(x, y)| (P2::new(x, y), CORNER_MM));
     let mut paths = vec![DrawnPath {
         path: Path::rounded(&corners, true),
@@ -105,42 +112,39 @@ fn drawn(name: &str, slits: [(P2, &String); 2], settings: &Settings) -> Drawing 
         kerf: KerfSide::Outside,
         joint: None,
     }];
-    for (at, name) in slits {
-        let slit = joint.slit().moved(&Motion::new(at.coords, 0.0));
-        let kerf = if slit.closed { KerfSide::Inside } else { KerfSide::On };
-        paths.push(DrawnPath { path: slit, role: Role::Slit, kerf, joint: Some(name.clone()) });
-    }
+    paths.extend(passages.iter().flat_map(|p| p.paths(joint)));
     if let Some(height) = settings.label_mm {
-        let mut letter = |s: &str, joint: Option<&String>, corner: V2| {
+        let mut letter = |s: &str, joint: Option<&str>, corner: V2| {
             paths.extend(text_paths(s, height).iter().map(|path| DrawnPath {
                 path: path.moved(&Motion::new(corner, 0.0)),
                 role: Role::Label,
                 kerf: KerfSide::On,
-                joint: joint.cloned(),
+                joint: joint.map(str::to_owned),
             }));
         };
-        let aside = CLEAR_MM + 0.5 * joint.slit_width_mm;
-        letter(from, Some(from), V2::new(a.x - aside - text(from), a.y - 0.5 * height));
-        letter(to, Some(to), V2::new(b.x + aside, b.y - 0.5 * height));
+        letter(from, Some(from), V2::new(cuts[0].min.x - CLEAR_MM - text(from), middles[0] - 0.5 * height));
+        letter(to, Some(to), V2::new(cuts[1].max.x + CLEAR_MM, middles[1] - 0.5 * height));
         let title = format!("PIECE {name}");
-        let (room, middle) = (b.x - a.x - 2.0 * aside, 0.5 * (a.x + b.x - text(&title)));
-        if text(&title) < room {
-            letter(&title, None, V2::new(middle, 0.5 * (a.y + b.y - height)));
+        let (room, center) = (cuts[1].min.x - cuts[0].max.x, 0.5 * (cuts[0].max.x + cuts[1].min.x));
+        if text(&title) + 2.0 * CLEAR_MM < room {
+            let middle = 0.5 * (middles[0] + middles[1]);
+            letter(&title, None, V2::new(center - 0.5 * text(&title), middle - 0.5 * height));
         }
     }
-    Drawing { name: name.to_owned(), paths }
+    (Drawing { name: name.to_owned(), paths }, left..right)
 }
 
 /// One end of a connector: a joint as it lies in space.
 struct End {
     name: String,
     place: P3,
-    /// Unit vectors, mesh frame: along the strip, the way the flap points, and across the strip.
+    /// Unit vectors, mesh frame: along the strip where it carries the flaps, and across it.
     along: V3,
-    points: V3,
     normal: V3,
-    /// Middles of the joint's flaps across the strip, mm.
-    flaps_mm: Vec<f64>,
+    /// The joint's flaps.
+    seats: Vec<Seat>,
+    /// Sheets they go through before the connector.
+    sheets: usize,
 }
 
 impl End {
@@ -151,36 +155,42 @@ impl End {
         let Some(connection) = joints.iter().find(|c| c.joint == joint.joint) else {
             return Err(Error::NoSuchJoint { part: part.name.clone(), joint: joint.joint, last: joints.len() });
         };
-        let own = pieces.iter().filter(|p| p.part == part.name).flat_map(|p| &p.drawing.paths);
-        let flaps: Vec<(P2, f64)> = own
-            .filter(|d| d.role == Role::Flap && d.joint.as_ref() == Some(&name))
-            .map(|d| {
-                let ends = [d.path.start(), d.path.end()].map(Option::unwrap_or_default);
-                let root = nalgebra::center(&ends[0], &ends[1]);
-                (root, (d.path.bounds().center().x - root.x).signum())
-            })
-            .collect();
-        let (root, ahead) = flaps.first().copied().unwrap_or((P2::origin(), 1.0));
+        let own = pieces.iter().filter(|p| p.part == part.name).flat_map(|p| &p.passages);
+        let flaps = own.filter(|p| p.joint == name && p.half == Half::Flap).max_by_key(|p| p.seats.len());
         let stations = part.ruffle.stations();
-        let off = |k: &&usize| (stations[**k] - root.x).abs();
+        let station = flaps.map_or(0.0, |f| f.station_mm);
+        let off = |k: &&usize| (stations[**k] - station).abs();
         let pass = connection.passes.iter().min_by(|a, b| off(a).total_cmp(&off(b))).copied().unwrap_or(0);
         let x = &part.equilibrium.positions;
         let (before, after) = (pass.saturating_sub(1), (pass + 1).min(stations.len() - 1));
         let run = (x[part.ruffle.at(after)] - x[part.ruffle.at(before)]).normalize();
-        let along = part.frame.u * run.x + part.frame.v * run.y;
         Ok(End {
             name,
             place: place(part, connection.node.index()),
-            along,
-            points: along * ahead,
+            along: part.frame.u * run.x + part.frame.v * run.y,
             normal: part.frame.normal,
-            flaps_mm: flaps.iter().map(|(root, _)| root.y).collect(),
+            seats: flaps.map_or_else(Vec::new, |f| f.seats.clone()),
+            sheets: flaps.map_or(0, |f| f.sheets),
         })
     }
 
-    /// The joint's place in space `across_mm` before its plane.
-    fn at(&self, across_mm: f64) -> P3 {
-        self.place + self.normal * across_mm
+    /// A flap's place in space.
+    fn at(&self, seat: &Seat) -> P3 {
+        self.place + self.normal * seat.across_mm
+    }
+
+    /// What a connector carries at this end: the slit after all those of the part.
+    fn passage(&self, station_mm: f64, seat: Seat) -> Passage {
+        let sheets = self.sheets + 1;
+        Passage {
+            joint: self.name.clone(),
+            station_mm,
+            half: Half::Slit,
+            face: Face::Back,
+            depth: sheets,
+            sheets,
+            seats: vec![seat],
+        }
     }
 }
 
