@@ -83,3 +83,49 @@ fn apply(number: usize, cut: &Split, pieces: &mut BTreeMap<String, TriMesh>, who
     pieces.insert(ahead, halves.ahead);
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::{P3, V3};
+    use crate::mesh::contact;
+    use crate::mesh::samples::{cuboid, sphere};
+
+    fn design(body: &str) -> Design {
+        let head = "schema = 1\nmachine = \"m\"\nmaterial = \"p\"\n[mesh]\nfile = \"a.obj\"\n";
+        Design::parse("d.toml", &format!("{head}{body}")).unwrap()
+    }
+
+    const UP_AT_40: &str = "[[split]]\norigin_mm = [0, 40, 0]\nnormal = [0, 2, 0]\ninto = [\"A\", \"B\"]\n";
+
+    #[test]
+    fn splits_apply_in_order_and_what_no_part_takes_is_told() {
+        let cube = cuboid(P3::origin(), V3::repeat(100.0));
+        let second = "[[split]]\npart = \"B\"\norigin_mm = [70, 0, 0]\nnormal = [1, 0, 0]\ninto = [\"B\", \"rest\"]\n";
+        let parts = "[[part]]\nname = \"B\"\n[[part]]\nname = \"A\"\n[[part]]\nname = \"whole\"\n";
+        let found = bodies(&design(&format!("{UP_AT_40}{second}{parts}")), &cube).unwrap();
+        let volumes: Vec<f64> = found.meshes.iter().map(|m| (m.volume() / 1e3).round()).collect();
+        assert_eq!(volumes, [420.0, 400.0, 1000.0]);
+        assert_eq!(found.warnings.iter().map(|w| w.code).collect::<Vec<_>>(), ["piece-unused"]);
+        let beside = UP_AT_40.replace("[0, 40, 0]", "[0, -10, 0]");
+        let error = bodies(&design(&format!("{beside}{parts}")), &cube).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "split 1 passes the shape by: move its origin along its normal by more than 10.0 and less than 110.0 mm"
+        );
+    }
+
+    #[test]
+    fn bodies_that_overlap_are_parted_and_then_touch() {
+        let two = together(&[&sphere(P3::origin(), 30.0, 32), &sphere(P3::new(40.0, 0.0, 0.0), 20.0, 32)]);
+        let parts = "[[part]]\nname = \"A\"\nbodies = [2]\n[[part]]\nname = \"B\"\nbodies = [1]\n";
+        let found = bodies(&design(parts), &two).unwrap();
+        assert!(found.warnings.is_empty());
+        assert!(found.meshes.iter().all(TriMesh::is_closed));
+        let lid = contact(&found.meshes[0], &found.meshes[1]).unwrap();
+        // Two balls meet in the plane at (40^2 + 30^2 - 20^2) / 80 from the larger one's middle.
+        assert!((lid.center - P3::new(26.25, 0.0, 0.0)).norm() < 0.5, "{}", lid.center);
+        let missing = bodies(&design(&parts.replace("[2]", "[3]")), &two).unwrap_err().to_string();
+        assert_eq!(missing, "part A: body 3 is not there: the mesh has 2, counted in the file's order");
+    }
+}

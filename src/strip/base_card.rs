@@ -71,3 +71,40 @@ pub fn base_card(part: &Part, settings: &Settings) -> Piece {
         settings.grammage_g_per_m2,
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{part, settings};
+    use super::*;
+    use crate::geom::contains;
+
+    #[test]
+    fn the_card_shows_the_foot_from_above_with_room_around() {
+        let part = part(40.0);
+        let card = base_card(&part, &settings(5000.0));
+        let [a, b] = part.ruffle.foot.map(|n| part.equilibrium.positions[n.index()].x);
+        let marks: Vec<Rect> =
+            card.drawing.paths.iter().filter(|p| p.role == Role::Mark).map(|p| p.path.bounds()).collect();
+        assert_eq!(card.name, "A-base");
+        assert_eq!(marks.len(), 2);
+        assert_eq!([marks[0].min.x, marks[1].min.x], [a, b]);
+        assert!(marks.iter().all(|m| (m.height() - 40.0).abs() < 1e-9));
+        let bounds = card.drawing.bounds();
+        assert!(marks.iter().all(|m| bounds.holds(&m.grown(5.0), 0.0)));
+        let contour = card.drawing.outline().unwrap().flatten(0.01);
+        let lettering = || card.drawing.paths.iter().filter(|p| p.role == Role::Label);
+        assert!(lettering().count() > 0);
+        for label in lettering() {
+            assert!(label.path.flatten(0.01).iter().all(|p| contains(&contour, *p)));
+            assert!(!marks.iter().any(|m| m.overlaps(&label.path.bounds())));
+        }
+    }
+
+    #[test]
+    fn where_nothing_can_be_marked_small_holes_show_the_lines() {
+        let plain = Settings { label_mm: None, ..settings(5000.0) };
+        let card = base_card(&part(40.0), &plain);
+        assert_eq!(card.drawing.paths.iter().filter(|p| p.role == Role::Hole).count(), 4);
+        assert!(card.drawing.paths.iter().all(|p| matches!(p.role, Role::Hole | Role::Outline)));
+    }
+}

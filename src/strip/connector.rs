@@ -210,3 +210,65 @@ fn bent_length_mm(p: P3, a: V3, q: P3, b: V3) -> f64 {
     const STEPS: usize = 64;
     (0..STEPS).map(|i| (at((i + 1) as f64 / STEPS as f64) - at(i as f64 / STEPS as f64)).norm()).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{part, settings};
+    use super::super::{joint, pieces};
+    use super::*;
+    use crate::geom::contains;
+
+    /// A filled square and the same one as a second part, 120 mm higher and `before` mm nearer to the viewer.
+    fn two(before: f64) -> (Vec<Part>, Vec<Piece>) {
+        let lower = part(40.0);
+        let mut upper = Part { name: "B".into(), ..lower.clone() };
+        upper.frame.origin += V3::new(0.0, 120.0, before);
+        let parts = vec![lower, upper];
+        let pieces = parts.iter().flat_map(|p| pieces(p, &settings(5000.0)).unwrap().pieces).collect();
+        (parts, pieces)
+    }
+
+    fn joint_at(part: usize, joint: u32) -> PartJoint {
+        PartJoint { part, joint }
+    }
+
+    #[test]
+    fn a_connector_has_a_slit_for_each_joint_as_far_apart_as_they_lie_in_space() {
+        let (parts, laid) = two(7.0);
+        let last = parts[0].ruffle.connection_points().len() as u32;
+        let made = connector(&parts, &laid, [joint_at(0, last), joint_at(1, 1)], &settings(5000.0)).unwrap();
+        assert_eq!((made.from.clone(), made.to.as_str()), (format!("A{last}"), "B1"));
+        assert_eq!(made.piece.name, format!("A{last}-B1"));
+        let [a, b] = [&made.piece.passages[0], &made.piece.passages[1]];
+        let node = |part: usize, joint: u32| {
+            let joints = parts[part].ruffle.connection_points();
+            place(&parts[part], joints.iter().find(|c| c.joint == joint).unwrap().node.index())
+        };
+        let mut way = node(1, 1) - node(0, last);
+        way.z = 0.0;
+        let between = b.station_mm - a.station_mm;
+        assert!((way.norm()..1.5 * way.norm()).contains(&between), "{between} for {}", way.norm());
+        assert!((b.seats[0].across_mm - 7.0).abs() < 1e-9, "the second part lies 7 mm nearer");
+        assert_eq!((a.depth, a.sheets), (2, 2), "behind the sheet that the flap goes through anyway");
+        let contour = made.piece.drawing.outline().unwrap().flatten(0.01);
+        for cut in made.piece.drawing.paths.iter().filter(|p| p.role != Role::Outline) {
+            assert!(cut.path.flatten(0.01).iter().all(|p| contains(&contour, *p)), "{:?} {:?}", cut.role, cut.joint);
+        }
+        let width = joint::paper().min_width_mm + 7.0;
+        assert!((made.piece.width_mm - width).abs() < 1e-9);
+        let missing = connector(&parts, &laid, [joint_at(0, 99), joint_at(1, 1)], &settings(5000.0)).unwrap_err();
+        assert!(missing.to_string().contains("joint A99, but part A has joints A1 to"), "{missing}");
+    }
+
+    #[test]
+    fn parts_are_tied_at_both_ends_of_the_line_in_which_they_meet() {
+        let (parts, _) = two(0.0);
+        let left = P3::new(10.0, 110.0, 0.0);
+        let pairs = nearest_joints(&parts, [0, 1], [left, P3::new(90.0, 110.0, 0.0)]);
+        assert_eq!(pairs.len(), 2);
+        for [from, to] in &pairs {
+            assert_eq!((from.part, to.part), (0, 1));
+        }
+        assert_eq!(nearest_joints(&parts, [0, 1], [left, left]).len(), 1);
+    }
+}

@@ -226,7 +226,7 @@ mod tests {
     use crate::progress::Quiet;
     use crate::sim::Material;
 
-    fn part(width_mm: f64) -> Part {
+    pub(super) fn part(width_mm: f64) -> Part {
         let outer = [(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)].map(|(x, y)| P2::new(x, y)).to_vec();
         let material = Material {
             flexural_rigidity_n_mm: 2.1,
@@ -245,7 +245,7 @@ mod tests {
         fit::fit(&target, &fit::Settings { rounds: 0, ..fit::Settings::default() }, None, &mut Quiet).unwrap()
     }
 
-    fn settings(max_piece_mm: f64) -> Settings {
+    pub(super) fn settings(max_piece_mm: f64) -> Settings {
         Settings {
             joint: joint::paper(),
             max_piece_mm,
