@@ -145,7 +145,7 @@ fn designs_that_cannot_be_taken_apart_or_tied_are_refused_by_name() {
     for (body, code, words) in [
         (HALVES.replace("50", "150"), 1, "split 1 passes the shape by"),
         (format!("{HALVES}[[connector]]\nfrom = \"A1\"\nto = \"B99\"\n"), 1, "joint B99, but part B has joints B1 to"),
-        (HALVES.replacen("[[part]]\nname = \"A\"", "[[part]]\nname = \"A\"\nbodies = [4]", 1), 1, "part A: body 4"),
+        ("[[part]]\nname = \"A\"\nbodies = [4]\n".into(), 1, "part A: body 4"),
         (HALVES.replacen("into", "part = \"Q\"\ninto", 1), 2, "split 1: part 'Q' is neither"),
     ] {
         let output = make(folder.path(), &cuboid(folder.path(), &body));

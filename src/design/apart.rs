@@ -72,7 +72,8 @@ impl Design {
         let wrong = |key: String, problem: String| Err(Error::Value { file: file.into(), key, problem });
         // What there is to split, before the split that is looked at.
         let mut known: Vec<&str> = self.parts.iter().map(|p| p.name.as_str()).collect();
-        let mut given: Vec<&str> = self.parts.iter().filter(|p| !p.bodies.is_empty()).map(|p| p.name.as_str()).collect();
+        let mut given: Vec<&str> =
+            self.parts.iter().filter(|p| !p.bodies.is_empty()).map(|p| p.name.as_str()).collect();
         for (i, split) in self.splits.iter().enumerate() {
             let key = |k: &str| format!("split {}: {k}", i + 1);
             let plane = PlaneSource { origin_mm: split.origin_mm, normal: split.normal };
@@ -151,7 +152,12 @@ mod tests {
             (split("", "\"A\", \"A\""), "twice"),
             (split("", "\"A\", \"B\"") + &split("part = \"A\"\n", "\"A\", \"B\""), "split 2: into gives 'B' twice"),
             (split("", "\"A\", \"B\"").replace("[0, 1, 0]", "[0, 0, 0]"), "split 1: plane needs"),
-            (split("", "\"A\", \"B\"") + "[[part]]\nname = \"D\"\n\n[[part]]\nname = \"E\"\nbodies = [1]\n\n" + &split("", "\"D\", \"E\""), "split 2: into gives 'E' twice"),
+            (
+                split("", "\"A\", \"B\"")
+                    + "[[part]]\nname = \"D\"\n\n[[part]]\nname = \"E\"\nbodies = [1]\n\n"
+                    + &split("", "\"D\", \"E\""),
+                "split 2: into gives 'E' twice",
+            ),
             ("[[connector]]\nfrom = \"A1\"\nto = \"C2\"\n\n".into(), "'C', which is no part"),
             ("[[connector]]\nfrom = \"A1\"\nto = \"A2\"\n\n".into(), "to itself"),
             ("[[connector]]\nfrom = \"A\"\nto = \"B2\"\n\n".into(), "needs joints such as"),

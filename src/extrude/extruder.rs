@@ -75,12 +75,13 @@ impl Extruder {
     /// one width: it takes the stretch that holds the plane.
     pub fn beyond(&self, positions: &[P2]) -> Option<Beyond> {
         let Extruder::Mesh(solid) = self else { return None };
-        let seen = |p: &P2| (solid.silhouette.beyond_at(*p), solid.silhouette.span_at(*p).map_or(0.0, |s| s.width()));
         let (mut most, mut left, mut whole) = ((0.0, P2::origin()), 0.0, 0.0);
         for p in positions {
-            let (beyond, filled) = seen(p);
+            // Where the line misses the strip's stretch there is no gap: the outline ends before.
+            let Some(filled) = solid.silhouette.span_at(*p) else { continue };
+            let beyond = solid.silhouette.beyond_at(*p);
             left += beyond;
-            whole += beyond + filled;
+            whole += beyond + filled.width();
             if beyond > most.0 {
                 most = (beyond, *p);
             }
@@ -237,7 +238,8 @@ mod tests {
         let extruder = seen(&crate::mesh::samples::together(&[near.clone(), behind]), 2.0);
         let beyond = extruder.beyond(&line(&[5.0, 15.0, 25.0, 35.0])).unwrap();
         assert_eq!((beyond.share, beyond.at.x), (0.6, 25.0));
-        assert_eq!(seen(&near, 2.0).beyond(&line(&[5.0, 15.0])), None);
+        let aside = cuboid(P3::new(50.0, -5.0, 15.0), V3::repeat(10.0));
+        assert_eq!(seen(&crate::mesh::samples::together(&[near, aside]), 2.0).beyond(&line(&[5.0, 55.0])), None);
         assert_eq!(Extruder::constant(-1.0, 1.0).unwrap().beyond(&line(&[5.0])), None);
     }
 

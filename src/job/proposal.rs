@@ -14,7 +14,7 @@ pub(super) fn emptiness(design: &Design, part: &Part) -> Option<Warning> {
     let gap = (empty > EMPTY_SHARE).then(|| largest_gap(part)).flatten()?;
     let place = format!("u {:.0}, v {:.0} mm", gap.at.x, gap.at.y);
     let mut message = format!(
-        "{:.0} % of the outline stays empty, {:.0} % of it here: one ruffle does not reach everywhere",
+        "{:.0} % of the outline stays empty, {:.0} % of it here: one ruffle does not reach everywhere in this shape",
         100.0 * empty,
         100.0 * gap.share
     );
@@ -25,7 +25,7 @@ pub(super) fn emptiness(design: &Design, part: &Part) -> Option<Warning> {
         let normal = (part.frame.u * along.y - part.frame.v * along.x).normalize();
         let split = proposed(design, &part.name, part.frame.to_space(middle, 0.0), normal.into());
         message += &format!(
-            ". A split where it is {:.0} mm wide gives {:.0} % of the outline a strip of its own. In the design:\n{}",
+            ". A split where it is {:.0} mm wide gives {:.0} % of the outline a strip of its own. In the design:\n\n{}\n",
             along.norm(),
             100.0 * neck.share,
             pasted(&split)

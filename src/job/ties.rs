@@ -15,7 +15,8 @@ pub(super) fn ties(design: &Design, parts: &[Part], meetings: &[Touch]) -> Vec<[
     let by_hand: Vec<[usize; 2]> = ties.iter().map(|[a, b]| [a.part.min(b.part), a.part.max(b.part)]).collect();
     for touch in meetings.iter().filter(|t| !by_hand.contains(&t.parts)) {
         let frame = &parts[touch.parts[0]].frame;
-        ties.extend(nearest_joints(parts, touch.parts, touch.line(frame.origin, frame.normal)));
+        let nearest = nearest_joints(parts, touch.parts, touch.line(frame.origin, frame.normal), &ties);
+        ties.extend(nearest);
     }
     ties
 }

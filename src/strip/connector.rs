@@ -4,6 +4,7 @@ use super::{Error, Face, Half, Passage, Piece, Seat, Settings};
 use crate::drawing::{Drawing, DrawnPath, KerfSide, Role, text_paths, text_width};
 use crate::fit::Part;
 use crate::geom::{Motion, P2, P3, Path, V2, V3};
+use crate::ruffle::ConnectionPoint;
 use std::ops::Range;
 
 /// A joint of a part.
@@ -33,12 +34,24 @@ const CORNER_MM: f64 = 3.0;
 /// Planes that lean to each other by no more than this (18 degrees) share the direction across; between others a connector twists.
 const SAME_ACROSS: f64 = 0.95;
 
+/// A joint that a connector holds already counts as this much farther away, mm: a flap through four sheets is hard to close.
+const TAKEN_MM: f64 = 15.0;
+
 /// The joints nearest to the two ends of the line in which two parts meet (mesh frame, mm), one pair for each end; one pair only where both ends give the same.
-pub fn nearest_joints(parts: &[Part], [a, b]: [usize; 2], line: [P3; 2]) -> Vec<[PartJoint; 2]> {
+/// Joints that are `taken` by other connectors are passed over where another one is near.
+pub fn nearest_joints(
+    parts: &[Part],
+    [a, b]: [usize; 2],
+    line: [P3; 2],
+    taken: &[[PartJoint; 2]],
+) -> Vec<[PartJoint; 2]> {
     let nearest = |part: usize, to: P3| {
         let joints = parts[part].ruffle.connection_points();
-        let distance = |node: usize| (place(&parts[part], node) - to).norm();
-        let best = joints.iter().min_by(|s, t| distance(s.node.index()).total_cmp(&distance(t.node.index())));
+        let distance = |c: &ConnectionPoint| {
+            let held = taken.iter().flatten().any(|t| *t == PartJoint { part, joint: c.joint });
+            (place(&parts[part], c.node.index()) - to).norm() + if held { TAKEN_MM } else { 0.0 }
+        };
+        let best = joints.iter().min_by(|s, t| distance(s).total_cmp(&distance(t)));
         best.map(|c| PartJoint { part, joint: c.joint })
     };
     let mut pairs: Vec<[PartJoint; 2]> = Vec::new();
@@ -264,11 +277,11 @@ mod tests {
     fn parts_are_tied_at_both_ends_of_the_line_in_which_they_meet() {
         let (parts, _) = two(0.0);
         let left = P3::new(10.0, 110.0, 0.0);
-        let pairs = nearest_joints(&parts, [0, 1], [left, P3::new(90.0, 110.0, 0.0)]);
+        let pairs = nearest_joints(&parts, [0, 1], [left, P3::new(90.0, 110.0, 0.0)], &[]);
         assert_eq!(pairs.len(), 2);
         for [from, to] in &pairs {
             assert_eq!((from.part, to.part), (0, 1));
         }
-        assert_eq!(nearest_joints(&parts, [0, 1], [left, left]).len(), 1);
+        assert_eq!(nearest_joints(&parts, [0, 1], [left, left], &[]).len(), 1);
     }
 }
