@@ -100,8 +100,18 @@ mod tests {
     use crate::cut::{Outline, PlaneFrame};
     use crate::extrude::Extruder;
     use crate::geom::V3;
-    use crate::progress::Quiet;
+    use crate::progress::{Observer, Progress};
     use crate::sim::{Material, Outcome};
+    use std::ops::ControlFlow;
+
+    /// Takes the first filling that stands.
+    struct Hurried;
+
+    impl Observer for Hurried {
+        fn step(&mut self, _: Progress) -> ControlFlow<()> {
+            ControlFlow::Break(())
+        }
+    }
 
     /// Boxes 80 wide and 60 high, one on the other or side by side, filled and settled together.
     fn settled(corners: &[(f64, f64)], meetings: &[Meeting]) -> (Vec<Part>, Forest) {
@@ -134,8 +144,8 @@ mod tests {
                 loads_n: &[],
             })
             .collect();
-        let settings = Settings { foot: Foot::Pinned, rounds: 1, other_layerings: Vec::new(), ..Settings::default() };
-        let filled = targets.iter().map(|t| fit(t, &settings, None, &mut Quiet).unwrap()).collect();
+        let settings = Settings { foot: Foot::Pinned, ..Settings::default() };
+        let filled = targets.iter().map(|t| fit(t, &settings, None, &mut Hurried).unwrap()).collect();
         let bodies: Vec<Body> = corners
             .iter()
             .map(|(x, y)| Body { center: P3::new(x + 40.0, y + 30.0, 0.0), above_ground_mm: *y, height_mm: 60.0 })

@@ -79,7 +79,7 @@ mod tests {
         let split = proposed(&design, "A", P3::new(1.0, 106.12345, -0.0), [0.0, 1.0, -0.0]);
         assert_eq!((split.into[1].as_str(), split.origin_mm[1]), ("B", 106.12));
         let pasted = Design::parse("d.toml", &(text.to_owned() + &pasted(&split))).unwrap();
-        assert_eq!(pasted.splits, [split.clone()]);
+        assert_eq!(pasted.splits, std::slice::from_ref(&split));
         assert_eq!(pasted.parts.len(), 2);
         design.splits.push(split);
         assert_eq!(proposed(&design, "A", P3::origin(), [0.0, 1.0, 0.0]).into[1], "C");
