@@ -1,7 +1,6 @@
 //! Which designs make sense.
 
-use super::edit::plane_problem;
-use super::{Design, Edit, Error, PartDesign, SCHEMA, Stack};
+use super::{Design, Edit, Error, PartDesign, PlaneSource, SCHEMA, Stack};
 
 /// Longest side of anything that is given in mm: no strip is a hundred metres long.
 const LONGEST_MM: f64 = 1e5;
@@ -44,7 +43,7 @@ impl Design {
                 return wrong(key(), "cuts a mesh, and this part has none");
             }
         }
-        Ok(())
+        self.check_apart(file)
     }
 }
 
@@ -65,7 +64,7 @@ fn shape_problem(part: &PartDesign, mesh: bool) -> Option<Problem> {
     if part.layers == Some(0) {
         return Some(("layers", "must be at least 1"));
     }
-    if let Some(problem) = part.plane.and_then(|p| plane_problem(&p.origin_mm, &p.normal)) {
+    if let Some(problem) = part.plane.as_ref().and_then(PlaneSource::problem) {
         return Some(("plane", problem));
     }
     let given = match part.stack {

@@ -1,7 +1,6 @@
 //! What a user changed after the first look, one entry for each command: the list is the history, and undoing takes the last one away.
 
 use super::{Design, Direction, PartDesign, PlaneSource, Stack};
-use crate::geom::V3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -165,18 +164,10 @@ impl Edit {
                 Some("needs finite numbers in to_mm")
             }
             Edit::Layers { layers: 0, .. } => Some("layers must be at least 1"),
-            Edit::Plane { origin_mm, normal, .. } => plane_problem(origin_mm, normal),
+            Edit::Plane { origin_mm, normal, .. } => PlaneSource { origin_mm: *origin_mm, normal: *normal }.problem(),
             _ => None,
         }
     }
-}
-
-/// What makes no sense about a plane.
-pub(super) fn plane_problem(origin_mm: &[f64; 3], normal: &[f64; 3]) -> Option<&'static str> {
-    let finite = origin_mm.iter().chain(normal).all(|v| v.is_finite());
-    // Shorter, and its direction is rounding.
-    let least = 1e-9;
-    (!finite || V3::from(*normal).norm() < least).then_some("needs finite numbers and a normal that is not zero")
 }
 
 /// As people name it: "densify A 1 3".

@@ -3,6 +3,7 @@
 //! A design holds decisions only; everything else follows from them and is worked out anew each time, so the same file gives the same bytes: clean stacks, all
 //! [`Edit`]s in order, then filling.
 
+mod apart;
 mod builtin;
 mod check;
 mod edit;
@@ -16,6 +17,8 @@ pub(crate) use edit::tests as edit_tests;
 pub use edit::{Base, Edit, MAX_LEVELS};
 pub use shape::{GivenStack, Method, OutlineSource, Stack};
 pub use text::edit_line;
+
+pub use apart::{Connector, Split, StripAlong};
 
 use crate::cut::Plane;
 use crate::geom::{P3, V3};
@@ -37,12 +40,21 @@ pub struct Design {
     /// Stock to use, in order of preference; empty takes what the material offers.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stock: Vec<String>,
+    /// Which way strips run in the sheet.
+    #[serde(default, skip_serializing_if = "StripAlong::is_default")]
+    pub strip_along: StripAlong,
     /// The shape; parts with an outline or a stack of their own need none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh: Option<MeshSource>,
+    /// How it is taken apart, in order.
+    #[serde(default, rename = "split", skip_serializing_if = "Vec::is_empty")]
+    pub splits: Vec<Split>,
     /// How it is filled, one entry a part.
     #[serde(rename = "part")]
     pub parts: Vec<PartDesign>,
+    /// Strips that tie parts together. Two parts that none of them ties get the nearest connection points.
+    #[serde(default, rename = "connector", skip_serializing_if = "Vec::is_empty")]
+    pub connectors: Vec<Connector>,
     /// What was changed by hand, in order.
     #[serde(rename = "edit", default, skip_serializing_if = "Vec::is_empty")]
     pub edits: Vec<Edit>,
@@ -83,6 +95,9 @@ pub enum Up {
 pub struct PartDesign {
     /// A letter or short word; joints are numbered behind it.
     pub name: String,
+    /// Bodies of the mesh that it is made of, counted from 1 in the file's order; none: what a split called so, or else the whole shape.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<usize>,
     /// Where the shape is cut; default: upright through the middle, across its thinner side.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plane: Option<PlaneSource>,
@@ -111,6 +126,7 @@ impl PartDesign {
     pub fn new(name: &str) -> PartDesign {
         PartDesign {
             name: name.into(),
+            bodies: Vec::new(),
             plane: None,
             outline: None,
             stack: None,
@@ -226,6 +242,12 @@ fn syntax_error(file: &str, text: &str, error: &toml::de::Error) -> Error {
 }
 
 impl PlaneSource {
+    /// What keeps it from being a plane.
+    pub(super) fn problem(&self) -> Option<&'static str> {
+        let finite = self.origin_mm.iter().chain(&self.normal).all(|v| v.is_finite());
+        (!finite || V3::from(self.normal).norm() < 1e-9).then_some("needs finite numbers and a normal that is not zero")
+    }
+
     /// The plane, with a unit normal.
     pub fn plane(&self) -> Plane {
         Plane { origin: P3::from(self.origin_mm), normal: V3::from(self.normal).normalize() }
@@ -242,6 +264,9 @@ mod tests {
             machine: "diode-400".into(),
             material: "paper-160".into(),
             stock: vec!["A3".into()],
+            strip_along: StripAlong::Grain,
+            splits: Vec::new(),
+            connectors: Vec::new(),
             mesh: Some(MeshSource { file: "stool.obj".into(), sha256: None, up: Some(Up::Y), height_mm: Some(100.0) }),
             parts: vec![PartDesign {
                 plane: Some(PlaneSource { origin_mm: [0.0; 3], normal: [0.0, 0.0, 2.0] }),

@@ -4,7 +4,10 @@ mod descent;
 mod edits;
 mod faces;
 mod field;
+mod forest;
+mod gaps;
 mod given;
+mod loads;
 mod merit;
 mod paper;
 mod report;
@@ -14,7 +17,10 @@ mod starts;
 mod warnings;
 
 pub use edits::Edits;
+pub use forest::{Body, Forest, Lean, Meeting, forest};
+pub use gaps::{Gap, Neck, largest_gap, neck};
 pub use given::{own_outline, rest};
+pub use loads::settle_together;
 pub use report::{FootUsed, Report};
 pub use shape::Spent;
 pub use warnings::warnings;
@@ -128,6 +134,8 @@ pub struct Part {
     pub equilibrium: Equilibrium,
     /// How well it fills and whether it can be made.
     pub report: Report,
+    /// Forces on its nodes besides its own weight, plane frame, N: what the parts it bears weigh.
+    pub loads_n: Vec<(Node, V2)>,
 }
 
 /// Why a part could not be filled.
@@ -235,6 +243,7 @@ fn part(target: &Target, ruffle: Ruffle, spans: Vec<Span>, equilibrium: Equilibr
         spans,
         equilibrium,
         report,
+        loads_n: target.loads_n.to_vec(),
     }
 }
 

@@ -14,6 +14,14 @@ pub enum Error {
     /// The mesh cannot be used.
     #[error(transparent)]
     Mesh(#[from] crate::mesh::Error),
+    /// The shape cannot be taken apart as the design says.
+    #[error("{what} {problem}")]
+    Apart {
+        /// "split 2", "part A: body 9".
+        what: String,
+        /// What is wrong, and the way out.
+        problem: String,
+    },
     /// The plane gives no outline.
     #[error("part {part}: {source}")]
     Cut {

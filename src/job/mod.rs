@@ -8,6 +8,7 @@
 //! their folder and renamed at the end, so a failure leaves what was there before.
 
 mod artifacts;
+mod bodies;
 mod border;
 mod change;
 mod dry_run;
@@ -18,15 +19,18 @@ mod order;
 mod output;
 mod pictures;
 mod probe;
+mod proposal;
 mod realise;
 mod report;
 mod ruffle_json;
 mod settings;
 mod shape;
 mod sheets;
+mod standing;
 mod stock;
 mod strips;
 mod survey;
+mod ties;
 
 pub use crate::ruffle::Role as SectionRole;
 pub use border::take_in;

@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::output::{absolute, relative};
-use crate::design::{self, Design, Edit, Foot, MeshSource, OutlineSource, PartDesign, SCHEMA, Up};
+use crate::design::{self, Design, Edit, Foot, MeshSource, OutlineSource, PartDesign, SCHEMA, StripAlong, Up};
 use crate::mesh;
 use sha2::{Digest, Sha256};
 use std::io::Read;
@@ -65,8 +65,11 @@ impl Order {
             machine: NOT_NAMED.into(),
             material: NOT_NAMED.into(),
             stock: Vec::new(),
+            strip_along: StripAlong::Grain,
             mesh: Some(MeshSource { file, sha256: Some(sha256_of(&mesh)?), up: None, height_mm: None }),
+            splits: Vec::new(),
             parts: vec![PartDesign::new("A")],
+            connectors: Vec::new(),
             edits: Vec::new(),
         };
         let name = stem(&mesh);

@@ -2,10 +2,11 @@
 
 use super::Error;
 use super::settings::Setup;
-use crate::cut::{Outline, Plane, PlaneFrame, cut, default_plane};
+use crate::cut::{self, Outline, Plane, PlaneFrame, cut, default_plane};
 use crate::design::{OutlineSource, PartDesign, Stack};
 use crate::drawing;
 use crate::extrude::Extruder;
+use crate::fit::own_outline;
 use crate::geom::{P2, P3, V3, signed_area};
 use crate::mesh::TriMesh;
 use crate::progress::Warning;
@@ -28,18 +29,31 @@ pub(super) struct Shape {
 pub(super) enum Fill {
     /// An outline is filled.
     Outline(Outline),
-    /// The strip's lengths are given; it fills what it encloses.
-    Given(Drawn),
+    /// The strip's lengths are given.
+    Given {
+        /// The strip without its edits.
+        drawn: Drawn,
+        /// What it goes round as it is drawn: it stands on the lowest point of it.
+        outline: Outline,
+    },
 }
 
-/// Works out the shape of a part as `decided` ([`Design::decided`](crate::design::Design::decided)). Files it names lie in `folder`.
-pub(super) fn shape(part: &PartDesign, mesh: Option<&TriMesh>, folder: &Path, setup: &Setup) -> Result<Shape, Error> {
+/// Works out the shape of a part as `decided` ([`Design::decided`](crate::design::Design::decided)) out of its own piece of the mesh. The whole shape
+/// stands on the ground at height `ground_mm` of the mesh. Files the part names lie in `folder`.
+pub(super) fn shape(
+    part: &PartDesign,
+    mesh: Option<&TriMesh>,
+    ground_mm: Option<f64>,
+    folder: &Path,
+    setup: &Setup,
+) -> Result<Shape, Error> {
     // The check of the design sees to it that a part without a mesh says how wide it is.
     let width_mm = part.width_mm.unwrap_or_default();
     if let Some(Stack::Given(given)) = &part.stack {
         let segment_mm = setup.fit(part).stack.segment_mm;
         let drawn = uniform_stack(given.layers, given.layer_mm(), given.inner_mm, segment_mm);
-        let fill = Fill::Given(drawn);
+        let outline = own_outline(&drawn.ruffle, &drawn.positions);
+        let fill = Fill::Given { drawn, outline };
         return Ok(Shape { frame: front(), fill, extruder: constant(part, width_mm)?, warnings: Vec::new() });
     }
     if let Some(source) = &part.outline {
@@ -58,16 +72,16 @@ pub(super) fn shape(part: &PartDesign, mesh: Option<&TriMesh>, folder: &Path, se
         return Ok(Shape { frame: front(), fill, extruder: constant(part, width_mm)?, warnings: Vec::new() });
     }
     let no_mesh = || Error::Outline { part: part.name.clone(), problem: "there is no mesh to cut it from".into() };
-    from_mesh(part, mesh.ok_or_else(no_mesh)?, setup)
+    from_mesh(part, mesh.ok_or_else(no_mesh)?, ground_mm, setup)
 }
 
-fn from_mesh(part: &PartDesign, mesh: &TriMesh, setup: &Setup) -> Result<Shape, Error> {
+fn from_mesh(part: &PartDesign, mesh: &TriMesh, ground_mm: Option<f64>, setup: &Setup) -> Result<Shape, Error> {
     let cut_error = |source| Error::Cut { part: part.name.clone(), source };
     let plane = match part.plane {
         Some(plane) => plane.plane(),
         None => default_plane(mesh).map_err(cut_error)?,
     };
-    let section = cut(mesh, &plane, &setup.cut()).map_err(cut_error)?;
+    let section = cut(mesh, &plane, &cut::Settings { ground_mm, ..setup.cut() }).map_err(cut_error)?;
     let extruder = Extruder::from_mesh(mesh, &section.frame, setup.joint().min_width_mm)
         .map_err(|source| Error::Extrude { part: part.name.clone(), source })?;
     let warnings = section.warnings.into_iter().map(|w| w.in_part(part.name.clone())).collect();
