@@ -9,7 +9,7 @@
 //!
 //! ```text
 //!  room       takes                      gives                                       uses
-//!  mesh       OBJ, STL bytes             TriMesh: mm, welded, checked                -
+//!  mesh       OBJ, STL bytes             TriMesh: mm, welded, checked; taken apart   -
 //!  cut        TriMesh, Plane             Outline (2D loops) and PlaneFrame           mesh
 //!  ruffle     Outline                    Ruffle: topology and rest lengths           cut
 //!  extrude    TriMesh or constant        Span per node: how wide the strip is        mesh cut ruffle

@@ -7,6 +7,7 @@ mod glyphs;
 mod lettering;
 mod path_data;
 mod svg;
+mod svg_loops;
 mod svg_read;
 
 pub use dxf::dxf;
@@ -14,6 +15,7 @@ pub use error::Error;
 pub use lettering::{text_paths, text_width};
 pub use path_data::{path_data, svg_number};
 pub use svg::{piece_svg, sheet_svg};
+pub use svg_loops::read_loops;
 pub use svg_read::read_svg;
 
 use crate::geom::{Motion, Path, Rect};

@@ -53,7 +53,7 @@ pub(super) fn write(
         stage.write(&name("nc"), sheet.program.to_string().as_bytes())?;
         png(stage, &name("png"), &pictures::sheet(sheet, run, setup), pictures::SHEET_PX)?;
     }
-    if let Some(page) = dry_run::page(&order.name(), &runs, setup)? {
+    if let Some(page) = dry_run::page(&order.name, &runs, setup)? {
         stage.write(dry_run::PAGE, page.as_bytes())?;
     }
     Ok(())

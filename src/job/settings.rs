@@ -2,9 +2,10 @@
 
 use super::Error;
 use crate::config::{self, Air, AirCode, Corner, Grain, Library, Machine, Pairing, Profile, ToolClass};
-use crate::design::{Design, Foot, Up};
+use crate::design::{Design, Foot, MeshSource, Method, PartDesign, Stack, StripAlong, Up};
 use crate::geom::{P2, Rect};
 use crate::progress::Warning;
+use crate::ruffle::Limits;
 use crate::{cut, fit, gcode, mesh, nest, sim, stream, strip, toolpath};
 
 /// Sheets thinner than this, mm, lift and blow away when nothing holds them.
@@ -21,6 +22,8 @@ pub struct Setup {
     pub pairing: Pairing,
     /// Stock the design asks for; empty for the material's own.
     pub stock: Vec<String>,
+    /// Which way strips run in the sheet.
+    pub strip_along: StripAlong,
     /// What the user should know about the pair.
     pub warnings: Vec<Warning>,
 }
@@ -73,7 +76,7 @@ impl Setup {
                 ),
             ));
         }
-        Ok(Setup { stock: design.stock.clone(), machine, profile, pairing, warnings })
+        Ok(Setup { stock: design.stock.clone(), strip_along: design.strip_along, machine, profile, pairing, warnings })
     }
 
     /// What the head reaches, mm.
@@ -82,10 +85,13 @@ impl Setup {
         Rect::from_size(width, height)
     }
 
-    /// The sheet along the strip: strips are cut along the grain (machine direction), where paper is stiffest and springs back best.
+    /// The sheet in the direction strips are cut in. Along the grain (machine direction) paper is stiffest and springs back best.
     pub fn material(&self) -> sim::Material {
         sim::Material {
-            flexural_rigidity_n_mm: self.profile.flexural_rigidity_md_n_mm,
+            flexural_rigidity_n_mm: match self.strip_along {
+                StripAlong::Grain => self.profile.flexural_rigidity_md_n_mm,
+                StripAlong::Across => self.profile.flexural_rigidity_cd_n_mm,
+            },
             membrane_stiffness_n_per_mm: self.profile.membrane_stiffness_n_per_mm,
             grammage_g_per_m2: self.profile.grammage_g_per_m2,
             thickness_mm: self.profile.thickness_mm,
@@ -93,14 +99,14 @@ impl Setup {
     }
 
     /// How the mesh is loaded.
-    pub fn mesh(&self, design: &Design) -> mesh::Settings {
+    pub fn mesh(&self, source: &MeshSource) -> mesh::Settings {
         let [width, height] = self.machine.reach_mm();
-        let up = design.mesh.up.map(|up| match up {
+        let up = source.up.map(|up| match up {
             Up::X => mesh::Up::X,
             Up::Y => mesh::Up::Y,
             Up::Z => mesh::Up::Z,
         });
-        mesh::Settings { up, height_mm: design.mesh.height_mm, bed_mm: width.max(height), ..mesh::Settings::default() }
+        mesh::Settings { up, height_mm: source.height_mm, bed_mm: width.max(height), ..mesh::Settings::default() }
     }
 
     /// How it is cut.
@@ -109,23 +115,37 @@ impl Setup {
     }
 
     /// How an outline is filled.
-    pub fn fit(&self, layers: Option<usize>, foot: Foot) -> fit::Settings {
+    pub fn fit(&self, part: &PartDesign) -> fit::Settings {
         let mut settings = fit::Settings {
-            foot: match foot {
+            foot: match part.foot {
                 Foot::Auto => fit::Foot::Auto,
                 Foot::Free => fit::Foot::Free,
                 Foot::Pinned => fit::Foot::Pinned,
             },
+            direction: match part.stack {
+                Some(Stack::Toward(direction)) => Some(direction),
+                _ => None,
+            },
+            method: match part.method {
+                Some(Method::Paper) => fit::Method::Paper,
+                None => fit::Method::Adjoint,
+            },
             min_bend_radius_mm: self.profile.min_bend_radius_mm,
             min_void_mm: self.profile.min_void_mm,
+            min_section_mm: self.joint().min_section_mm(),
             ..fit::Settings::default()
         };
-        settings.stack.layers = layers;
-        // A loop of height h bends to about h / 3 where it is tightest, and its diagonal leaves voids of about h / 2.
-        let makeable = (3.0 * self.profile.min_bend_radius_mm).max(2.0 * self.profile.min_void_mm);
+        settings.stack.layers = part.layers;
+        // A loop of height h bends to about h / 2.6 where it is tightest, and its diagonal leaves voids of about h / 1.9.
+        let makeable = (2.6 * self.profile.min_bend_radius_mm).max(1.65 * self.profile.min_void_mm);
         settings.stack.min_layer_mm = settings.stack.min_layer_mm.max(makeable);
         settings.stack.max_layer_mm = settings.stack.max_layer_mm.max(makeable);
         settings
+    }
+
+    /// What edits by hand may not do.
+    pub fn edit_limits(&self) -> Limits {
+        Limits { min_bend_radius_mm: self.profile.min_bend_radius_mm, min_void_mm: self.profile.min_void_mm }
     }
 
     /// The joint for this tool.
@@ -142,12 +162,15 @@ impl Setup {
             shoulder_undercut_rad: joint.shoulder_undercut_deg.to_radians(),
             corner_radius_mm: joint.corner_radius_mm,
             hook_radius_mm: joint.hook_radius_mm.unwrap_or(0.0),
+            hinge: joint.hinge.map(|d| strip::Dashes { cut_mm: d.cut_mm, gap_mm: d.gap_mm }),
             slit_length_mm: joint.slit_length_mm(),
             slit_width_mm: joint.slit_width_mm.unwrap_or(0.0),
+            slit_relief_mm: joint.slit_relief_mm.unwrap_or(0.0),
             slit_ahead_mm: joint.slit_ahead_mm,
             edge_distance_mm: joint.edge_distance_mm,
             cut_distance_mm: joint.cut_distance_mm,
             end_tab_mm: joint.end_tab_mm,
+            thickness_mm: self.profile.thickness_mm,
         }
     }
 
@@ -174,9 +197,10 @@ impl Setup {
 
     /// Turns a piece may take on a sheet whose grain runs along x, degrees.
     pub fn angles_deg(&self) -> Vec<f64> {
-        match self.profile.grain {
-            Grain::Directional => vec![0.0, 180.0],
-            Grain::None => vec![0.0, 180.0, 90.0, 270.0],
+        match (self.profile.grain, self.strip_along) {
+            (Grain::Directional, StripAlong::Grain) => vec![0.0, 180.0],
+            (Grain::Directional, StripAlong::Across) => vec![90.0, 270.0],
+            (Grain::None, _) => vec![0.0, 180.0, 90.0, 270.0],
         }
     }
 
@@ -292,5 +316,22 @@ pub fn limits(machine: &Machine) -> gcode::Limits {
         bytes_per_s: f64::from(controller.baud) / 10.0,
         rx_bytes: controller.rx_bytes as usize,
         line_s: controller.line_ms / 1000.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_across_the_grain_bend_as_soft_as_they_are_cut() {
+        let text = "schema = 1\nmachine = \"diode-400\"\nmaterial = \"paper-160\"\nmesh = { file = \"a.obj\" }\n[[part]]\nname = \"A\"\n";
+        let along = |word: &str| {
+            let design = Design::parse("d.toml", &format!("strip_along = \"{word}\"\n{text}")).unwrap();
+            Setup::new(&design, &Library::built_in()).unwrap()
+        };
+        let (grain, across) = (along("grain"), along("across"));
+        assert_eq!((grain.material().flexural_rigidity_n_mm, grain.angles_deg()), (2.1, vec![0.0, 180.0]));
+        assert_eq!((across.material().flexural_rigidity_n_mm, across.angles_deg()), (0.9, vec![90.0, 270.0]));
     }
 }

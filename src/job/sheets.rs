@@ -118,7 +118,7 @@ fn header(
     let (width_mm, height_mm) = (toolpath.width_mm, toolpath.height_mm);
     let sheet = SheetLabel { number, of: count, stock: stock.to_owned(), width_mm, height_mm };
     let mut entries = vec![
-        ("job", order.name()),
+        ("job", order.name.clone()),
         ("design", order.hash()),
         ("sheet", sheet.to_string()),
         ("machine", setup.machine.name.clone()),

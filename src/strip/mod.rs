@@ -3,20 +3,33 @@
 //! Strip frame: s along the strip from its first connection point, w across (the plane's normal), mm. Pieces are seen from the side that the first loop
 //! shows outward.
 
+mod base_card;
+mod connector;
 mod edge;
 mod fasten;
+mod fold;
+mod hold;
 mod joint;
 mod label;
+mod mating;
+mod passage;
+mod seats;
 mod splice;
 
-pub use joint::Joint;
+pub use base_card::base_card;
+pub use connector::{Connector, PartJoint, connector, nearest_joints};
+pub use fold::Face;
+pub use hold::Hold;
+pub use joint::{Dashes, Joint};
+pub use passage::{Half, Passage, Seat};
+pub use splice::{Splice, SpliceKind};
 
 use crate::drawing::{Drawing, DrawnPath, KerfSide, Role};
 use crate::fit::Part;
 use crate::geom::Path;
 use crate::progress::Warning;
 use edge::Edges;
-use fasten::Fastening;
+use std::ops::Range;
 
 /// How strips are made into pieces.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +55,10 @@ pub struct Piece {
     pub part: String,
     /// What is cut and engraved, strip frame.
     pub drawing: Drawing,
+    /// The stretch of the strip it is, mm, laps and end tabs included; the first connection point is at 0.
+    pub stations_mm: Range<f64>,
+    /// Where it carries flaps and slits, by station.
+    pub passages: Vec<Passage>,
     /// Extent along s, mm.
     pub length_mm: f64,
     /// Extent along w, mm.
@@ -50,11 +67,37 @@ pub struct Piece {
     pub mass_g: f64,
 }
 
+impl Piece {
+    /// A piece as large as its drawing and as heavy as its contour encloses, with the stretch it is and what it carries.
+    fn new(
+        name: String,
+        part: &str,
+        drawing: Drawing,
+        (stations_mm, passages): (Range<f64>, Vec<Passage>),
+        grammage_g_per_m2: f64,
+    ) -> Piece {
+        let bounds = drawing.bounds();
+        let area_mm2 = drawing.outline().map_or(0.0, Path::signed_area);
+        Piece {
+            name,
+            part: part.to_owned(),
+            drawing,
+            stations_mm,
+            passages,
+            length_mm: bounds.width(),
+            width_mm: bounds.height(),
+            mass_g: area_mm2 * 1e-6 * grammage_g_per_m2,
+        }
+    }
+}
+
 /// All pieces of one part and how well their joints are defined.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pieces {
     /// In strip order.
     pub pieces: Vec<Piece>,
+    /// How each piece is joined to the next.
+    pub splices: Vec<Splice>,
     /// Largest distance between where a flap's root finds its slit and where it should, from the drawn cuts, mm.
     pub max_mating_error_mm: f64,
     /// Labels that overlap a cut or another label.
@@ -78,6 +121,26 @@ pub enum Error {
         /// Least length needed.
         least_mm: f64,
     },
+    /// A connector names a joint that is not there.
+    #[error(
+        "a connector names joint {part}{joint}, but part {part} has joints {part}1 to {part}{last}; parts/{part}.svg shows them"
+    )]
+    NoSuchJoint {
+        /// The part.
+        part: String,
+        /// Number asked for.
+        joint: u32,
+        /// Highest number there is.
+        last: usize,
+    },
+    /// A connector has nothing to hold on to.
+    #[error("a connector from {from} to {to} finds no flap at one of them: tie another joint")]
+    NoFlap {
+        /// Joint at one end.
+        from: String,
+        /// Joint at the other.
+        to: String,
+    },
     /// No gap between joints is long enough for a splice.
     #[error(
         "part {part}: between {from_mm:.0} and {to_mm:.0} mm of the strip no stretch of {need_mm:.0} mm is free of joints, so the strip cannot be divided for pieces of {max_piece_mm:.0} mm; use longer stock (--stock) or fewer layers"
@@ -99,38 +162,28 @@ pub enum Error {
 /// Lays `part` flat and divides it into pieces.
 pub fn pieces(part: &Part, settings: &Settings) -> Result<Pieces, Error> {
     let edges = Edges::new(part, settings.joint.end_tab_mm);
-    let (fastenings, mut warnings) = fasten::fastenings(part, &edges, &settings.joint);
-    let ranges = splice::divide(part, &edges, &fastenings, settings)?;
+    let (passages, mut warnings) = fasten::passages(part, &edges, &settings.joint);
+    let ranges = splice::divide(part, &edges, &passages, settings)?;
     let mut label_collisions = 0;
     let mut pieces = Vec::with_capacity(ranges.len());
     for (i, range) in ranges.iter().enumerate() {
         let name = format!("{}{}", part.name, i + 1);
-        let own = |f: &&Fastening| range.contains(&f.station_mm);
+        let own: Vec<Passage> = passages.iter().filter(|p| range.contains(&p.station_mm)).cloned().collect();
         let mut paths = vec![DrawnPath {
             path: edges.contour(range.clone()),
             role: Role::Outline,
             kerf: KerfSide::Outside,
             joint: None,
         }];
-        paths.extend(fastenings.iter().filter(own).flat_map(|f| f.paths(&settings.joint)));
+        paths.extend(own.iter().flat_map(|f| f.paths(&settings.joint)));
         if let Some(height_mm) = settings.label_mm {
             paths.extend(splice::marks(&edges, &ranges, i, settings.splice_overlap_mm));
-            let own: Vec<&Fastening> = fastenings.iter().filter(own).collect();
             let (labels, collisions) = label::labels(&name, &paths, &own, &settings.joint, height_mm);
             paths.extend(labels);
             label_collisions += collisions;
         }
-        let outline_mm2 = paths[0].path.signed_area();
         let drawing = Drawing { name: name.clone(), paths };
-        let bounds = drawing.bounds();
-        pieces.push(Piece {
-            name,
-            part: part.name.clone(),
-            drawing,
-            length_mm: bounds.width(),
-            width_mm: bounds.height(),
-            mass_g: outline_mm2 * 1e-6 * settings.grammage_g_per_m2,
-        });
+        pieces.push(Piece::new(name, &part.name, drawing, (range.clone(), own), settings.grammage_g_per_m2));
     }
     if ranges.len() > 1 {
         warnings.push(
@@ -147,8 +200,15 @@ pub fn pieces(part: &Part, settings: &Settings) -> Result<Pieces, Error> {
         );
     }
     let cuts = pieces.iter().flat_map(|piece| &piece.drawing.paths);
-    let max_mating_error_mm = fasten::worst_mating_error_mm(part, cuts, &settings.joint);
-    Ok(Pieces { pieces, max_mating_error_mm, label_collisions, warnings })
+    let max_mating_error_mm = mating::worst_mating_error_mm(part, cuts, &settings.joint);
+    let splice = |(i, pair): (usize, &[Range<f64>])| Splice {
+        kind: SpliceKind::Lap,
+        pieces: [pieces[i].name.clone(), pieces[i + 1].name.clone()],
+        stations_mm: pair[1].start..pair[0].end,
+        joints: Vec::new(),
+    };
+    let splices = ranges.windows(2).enumerate().map(splice).collect();
+    Ok(Pieces { pieces, splices, max_mating_error_mm, label_collisions, warnings })
 }
 
 /// An uncut line across the strip.
@@ -166,7 +226,7 @@ mod tests {
     use crate::progress::Quiet;
     use crate::sim::Material;
 
-    fn part(width_mm: f64) -> Part {
+    pub(super) fn part(width_mm: f64) -> Part {
         let outer = [(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)].map(|(x, y)| P2::new(x, y)).to_vec();
         let material = Material {
             flexural_rigidity_n_mm: 2.1,
@@ -180,11 +240,12 @@ mod tests {
             outline: &Outline { outer, holes: Vec::new() },
             extruder: &Extruder::constant(-0.5 * width_mm, 0.5 * width_mm).unwrap(),
             material: &material,
+            loads_n: &[],
         };
-        fit::fit(&target, &fit::Settings { rounds: 0, ..fit::Settings::default() }, &mut Quiet).unwrap()
+        fit::fit(&target, &fit::Settings { effort: 0, ..fit::Settings::default() }, None, &mut Quiet).unwrap()
     }
 
-    fn settings(max_piece_mm: f64) -> Settings {
+    pub(super) fn settings(max_piece_mm: f64) -> Settings {
         Settings {
             joint: joint::paper(),
             max_piece_mm,
@@ -263,7 +324,7 @@ mod tests {
         let laid = pieces(&part, &settings(5000.0)).unwrap();
         let joint = joint::paper();
         let drawn = &laid.pieces[0].drawing.paths;
-        let error = |paths: &[DrawnPath]| fasten::worst_mating_error_mm(&part, paths.iter(), &joint);
+        let error = |paths: &[DrawnPath]| mating::worst_mating_error_mm(&part, paths.iter(), &joint);
         for (ds, dw, least) in [(0.3, 0.0, 0.2), (-0.3, 0.0, 0.2), (0.0, 0.2, 0.2)] {
             let mut spoilt = drawn.clone();
             let slit = spoilt.iter_mut().find(|p| p.role == Role::Slit).unwrap();
@@ -271,7 +332,7 @@ mod tests {
             assert!(error(&spoilt) > least, "{ds} {dw}: {}", error(&spoilt));
         }
         let behind = Joint { slit_ahead_mm: -joint.slit_ahead_mm, ..joint };
-        assert!(fasten::worst_mating_error_mm(&part, drawn.iter(), &behind) > 0.9);
+        assert!(mating::worst_mating_error_mm(&part, drawn.iter(), &behind) > 0.9);
     }
 
     #[test]
