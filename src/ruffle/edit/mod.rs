@@ -9,6 +9,7 @@ mod fold;
 mod layers;
 mod limits;
 mod mesh;
+mod split;
 mod tangle;
 mod teardrop;
 #[cfg(test)]
@@ -18,6 +19,7 @@ mod undensify;
 pub use error::EditError;
 pub use layers::{insert_layer, layer_count, remove_layer};
 pub use limits::Limits;
+pub use split::split_layer;
 
 use super::Drawn;
 use super::curve::MIN_SEGMENTS;
