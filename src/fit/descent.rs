@@ -28,57 +28,53 @@ const LENGTH_WEIGHT: f64 = 0.3;
 const LEAST_GAIN: f64 = 2e-4;
 /// judged over so many steps.
 const JUDGED_STEPS: usize = 8;
+/// Runs of a descent.
+const RUNS: usize = 2;
 /// Sufficient decrease (Armijo 1966).
 const ARMIJO: f64 = 1e-4;
 /// Shares of a step that are tried.
 const SHARES: [f64; 6] = [1.0, 0.4, 0.12, 0.03, 0.008, 0.002];
 
-/// Lowers the shape's cost. Returns early once the observer asked to stop.
+/// Lowers the shape's cost. Once it hardly falls any more, what was learned of its curvature is dropped and the descent begins anew, once: touching loops bend the
+/// cost too much for one picture of it. Returns early when the observer asked to stop.
 pub(super) fn descend(shape: &mut Shape, limits: &Limits, observer: &mut dyn Observer) -> Result<(), Error> {
+    let mut steps = limits.steps;
+    for _ in 0..RUNS {
+        steps = run(shape, limits, steps, observer)?;
+    }
+    Ok(())
+}
+
+/// One run of at most `steps` steps, until the cost hardly falls; returns how many are left.
+fn run(shape: &mut Shape, limits: &Limits, mut steps: usize, observer: &mut dyn Observer) -> Result<usize, Error> {
     let n = limits.bounds_mm.len();
-    let size_mm = shape.judge.area_mm2().sqrt();
-    let Some(mut slope) = slopes(shape, limits)? else { return Ok(()) };
-    let Some(mut inverse) = natural(shape)? else { return Ok(()) };
+    let area_mm2 = shape.judge.area_mm2();
+    let (Some(mut slope), Some(mut inverse)) = (slopes(shape, limits)?, natural(shape)?) else { return Ok(0) };
     let mut is_fresh = true;
     let mut costs = vec![shape.cost];
-    while costs.len() <= limits.steps {
+    while steps > 0 {
         let lengths: Vec<f64> = (0..n).map(|s| shape.ruffle.section_length(s)).collect();
-        let step = direction(&inverse, &slope, &lengths, limits, LONGEST_STEP * size_mm);
-        let fall = -slope.dot(&step);
-        let mut taken = None;
-        if fall > 0.0 {
-            for share in SHARES {
-                let to: Vec<f64> = (0..n).map(|s| clamped(lengths[s] + share * step[s], limits.bounds_mm[s])).collect();
-                let limit = shape.cost - ARMIJO * share * fall;
-                if shape.take(&to, share * step[n], limit, observer)? {
-                    let moved =
-                        DVector::from_fn(n + 1, |i, _| if i < n { to[i] - lengths[i] } else { share * step[n] });
-                    taken = Some(moved);
-                    break;
-                }
-            }
-        }
-        let Some(moved) = taken else {
+        let step = direction(&inverse, &slope, &lengths, limits, LONGEST_STEP * area_mm2.sqrt());
+        let Some(moved) = walk(shape, limits, &lengths, &slope, &step, observer)? else {
             if is_fresh {
-                return Ok(());
+                break;
             }
-            let Some(fresh) = natural(shape)? else { return Ok(()) };
+            let Some(fresh) = natural(shape)? else { return Ok(0) };
             (inverse, is_fresh) = (fresh, true);
             continue;
         };
+        steps -= 1;
         costs.push(shape.cost);
-        if costs.len() > JUDGED_STEPS {
-            let gain = costs[costs.len() - 1 - JUDGED_STEPS] - shape.cost;
-            if gain < LEAST_GAIN * JUDGED_STEPS as f64 * shape.judge.area_mm2() {
-                return Ok(());
-            }
+        if let Some(before) = costs.len().checked_sub(1 + JUDGED_STEPS)
+            && costs[before] - shape.cost < LEAST_GAIN * JUDGED_STEPS as f64 * area_mm2
+        {
+            break;
         }
-        let Some(next) = slopes(shape, limits)? else { return Ok(()) };
+        let Some(next) = slopes(shape, limits)? else { return Ok(0) };
         let change = &next - &slope;
         if is_fresh {
             // The first step has shown how fast slopes change (Nocedal and Wright, equation 6.20).
-            let curvature = moved.dot(&change);
-            let bent = change.dot(&(&inverse * &change));
+            let (curvature, bent) = (moved.dot(&change), change.dot(&(&inverse * &change)));
             if curvature > 0.0 && bent > 0.0 {
                 inverse *= curvature / bent;
             }
@@ -86,7 +82,30 @@ pub(super) fn descend(shape: &mut Shape, limits: &Limits, observer: &mut dyn Obs
         is_fresh = !update(&mut inverse, &moved, &change) && is_fresh;
         slope = next;
     }
-    Ok(())
+    Ok(steps)
+}
+
+/// Goes the largest share of a step at which the strip comes to rest at a lower cost, and returns how far that was; nothing where there is none.
+fn walk(
+    shape: &mut Shape,
+    limits: &Limits,
+    lengths: &[f64],
+    slope: &DVector<f64>,
+    step: &DVector<f64>,
+    observer: &mut dyn Observer,
+) -> Result<Option<DVector<f64>>, Error> {
+    let (n, fall) = (lengths.len(), -slope.dot(step));
+    if fall <= 0.0 {
+        return Ok(None);
+    }
+    for share in SHARES {
+        let to: Vec<f64> = (0..n).map(|s| clamped(lengths[s] + share * step[s], limits.bounds_mm[s])).collect();
+        let limit = shape.cost - ARMIJO * share * fall;
+        if shape.take(&to, share * step[n], limit, observer)? {
+            return Ok(Some(DVector::from_fn(n + 1, |i, _| if i < n { to[i] - lengths[i] } else { share * step[n] })));
+        }
+    }
+    Ok(None)
 }
 
 /// The inverse Hessian to begin with: that of the square of the distance that border nodes move. So the first step is the steepest in the shape, not in the lengths: a

@@ -2,19 +2,29 @@
 
 use super::descent::{Limits, descend};
 use super::field::Field;
+use super::grow::emptiest_layers;
 use super::paper::LengthRule;
 use super::report::Origin;
 use super::shape::{Shape, Spent};
 use super::starts::{Start, starts};
 use super::{Edits, Error, Foot, FootUsed, Method, Part, Settings, Target, agreed, part, solver};
 use crate::progress::{Observer, Progress};
-use crate::ruffle::Ruffle;
+use crate::ruffle::{Drawn, EditSettings, Ruffle, split_layer};
 use crate::sim::Outcome;
 use std::ops::ControlFlow;
 
 /// Springs hold the joints near their drawing while lengths are first found, and are then let go in stages: stiffness against D w / R³, the force it takes to move a
 /// typical loop. Straight from the drawing a free stack drops sideways.
 const HOLDS: [f64; 3] = [2.0, 0.2, 0.04];
+/// What a strip that stands free is not tried pinned for: the outline's share that is empty or sticks out.
+const WELL_FILLED: f64 = 0.08;
+/// Layers are split at most so often, and so many tried each time.
+const MOST_SPLITS: usize = 3;
+const SPLITS_TRIED: usize = 2;
+/// A layer is split where either half would be at least this share of the thinnest layer drawn: the descent thickens it.
+const SPLIT_THICKNESS: f64 = 0.85;
+/// Splitting goes on while it wins this share of the outline.
+const LEAST_GROWTH: f64 = 0.003;
 /// Springs on the way to none, with the lengths as they are: let go at once, a strip that would stand swings over.
 const LETTING_GO: [f64; 3] = [0.01, 0.0025, 0.0];
 /// Radius of a typical loop, as a share of the outline's size.
@@ -69,7 +79,14 @@ pub(super) fn search(
     let field = Field::new(target.outline, settings.protrusion_weight);
     let mut search = Search { field, target, settings, observer, best: None, done: 0, total, stopped: false, spent };
     for foot in feet {
-        search.stand(&starts, *foot)?;
+        // Pinned strips fill a point or two more than free ones, which is not worth the glue where those fill well.
+        if search.best.as_ref().is_none_or(|b| b.score > WELL_FILLED) {
+            search.stand(&starts, *foot)?;
+        }
+    }
+    // Edits name sections by number, which a split layer would shift.
+    if edits.is_none() {
+        search.grow()?;
     }
     let Search { best, spent, .. } = search;
     let Some(Candidate { mut part, .. }) = best else {
@@ -111,6 +128,36 @@ impl<'a> Search<'a> {
             }
             released += usize::from(self.release(shape, start)?);
             self.done += 1;
+        }
+        Ok(())
+    }
+
+    /// Splits the layer that leaves most empty, as long as that fills more.
+    fn grow(&mut self) -> Result<(), Error> {
+        let settings = self.settings;
+        let fixed = settings.stack.layers.is_some() || settings.method == Method::Paper;
+        for _ in 0..MOST_SPLITS {
+            let Some(Candidate { part, score }) = &self.best else { return Ok(()) };
+            if fixed || settings.effort == 0 || self.stopped {
+                return Ok(());
+            }
+            let before = *score;
+            let (foot, direction) = (part.report.foot, part.report.direction);
+            let filled = Drawn { ruffle: part.ruffle.clone(), positions: part.equilibrium.positions.clone() };
+            let segment_mm = filled.ruffle.strip_length() / filled.ruffle.rest_lengths.len() as f64;
+            let edit = EditSettings { segment_mm, limits: Default::default() };
+            let layers = emptiest_layers(part, SPLIT_THICKNESS * settings.stack.min_layer_mm);
+            for layer in layers.into_iter().take(SPLITS_TRIED) {
+                let Ok(drawn) = split_layer(&filled, layer, &edit) else { continue };
+                let start = Start { drawn, direction };
+                if let Some(mut shape) = self.held(&start, foot)? {
+                    self.loosen(&mut shape, &start)?;
+                    self.release(shape, &start)?;
+                }
+            }
+            if self.best.as_ref().is_none_or(|b| b.score > before - LEAST_GROWTH) {
+                return Ok(());
+            }
         }
         Ok(())
     }
@@ -257,7 +304,7 @@ fn score(part: &Part, settings: &Settings) -> f64 {
     let glue = if report.foot == FootUsed::Pinned { settings.free_foot_bonus } else { 0.0 };
     let shortfall = |value: f64, least: f64| if value < least { 1.0 - value / least } else { 0.0 };
     report.uncovered_fraction
-        + settings.protrusion_weight * report.protruding_fraction
+        + report.protruding_fraction
         + glue
         // Coverage does not see what is inside: a ruffle that passes through itself will fold otherwise, a layer that has collapsed cannot be assembled,
         // a crease is a hinge.

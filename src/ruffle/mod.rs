@@ -23,7 +23,7 @@ pub use densified::{Densification, Densified};
 pub use direction::{Direction, suited_direction};
 pub use edit::{
     EditError, EditSettings, Limits, densify, insert_layer, layer_count, loops, merge_segments, move_joint,
-    remove_layer, set_length, split_segments, undensify,
+    remove_layer, set_length, split_layer, split_segments, undensify,
 };
 pub use ladder::uniform_stack;
 pub use layers::Layer;

@@ -11,9 +11,9 @@ use crate::ruffle::{Drawn, Role};
 use std::ops::Range;
 
 /// Sections of a layer: right loop, diagonal, left loop, rung.
-const PER_LAYER: usize = 4;
+pub(super) const PER_LAYER: usize = 4;
 /// The direction at a rung's end is that of this share of it.
-const END_SHARE: f64 = 0.04;
+pub(super) const END_SHARE: f64 = 0.04;
 /// How far the part above a removed layer is lifted off the rung it now stands on, mm: the two rungs it was and is drawn on sag differently.
 const LIFTS_MM: [f64; 6] = [0.0, 1.0, 2.0, 4.0, 8.0, 16.0];
 /// Near its connections it is lifted less, mm: within this distance by less than two thirds.
@@ -23,7 +23,7 @@ const LIFT_WITHIN_MM: f64 = 10.0;
 const SAME_MM: f64 = 6.0;
 
 /// Parts that stand for each section of the plain stack: densified and divided ones counted as one.
-fn plain_sections(draft: &Draft) -> Vec<Range<usize>> {
+pub(super) fn plain_sections(draft: &Draft) -> Vec<Range<usize>> {
     let mut starts = vec![0];
     for i in 1..draft.parts.len() {
         let inside = draft.made.iter().any(|m| m.first_section < i && i < m.end_section);
@@ -35,7 +35,7 @@ fn plain_sections(draft: &Draft) -> Vec<Range<usize>> {
     starts.iter().copied().zip(ends).map(|(a, b)| a..b).collect()
 }
 
-fn count(sections: &[Range<usize>]) -> Result<usize, EditError> {
+pub(super) fn count(sections: &[Range<usize>]) -> Result<usize, EditError> {
     let layers = sections.len() / PER_LAYER;
     let stack = layers >= 1 && sections.len() == PER_LAYER * layers + 1;
     if stack { Ok(layers) } else { Err(EditError::NotAStack { sections: sections.len() }) }
@@ -50,7 +50,7 @@ pub fn layer_count(drawn: &Drawn) -> Result<usize, EditError> {
 }
 
 /// The first densified part of a rung, as an error.
-fn plain_rung(draft: &Draft, rung: &Range<usize>) -> Result<(), EditError> {
+pub(super) fn plain_rung(draft: &Draft, rung: &Range<usize>) -> Result<(), EditError> {
     let densified = draft.made.iter().find(|m| m.first_section < rung.end && rung.start < m.end_section);
     densified.map_or(Ok(()), |m| Err(EditError::RungDensified { section: m.first_section }))
 }

@@ -11,6 +11,7 @@ mod layers;
 mod limits;
 mod mesh;
 mod move_joint;
+mod split;
 mod tangle;
 mod teardrop;
 #[cfg(test)]
@@ -22,6 +23,7 @@ pub use error::EditError;
 pub use layers::{insert_layer, layer_count, remove_layer};
 pub use limits::Limits;
 pub use move_joint::move_joint;
+pub use split::split_layer;
 
 use super::Drawn;
 use super::curve::MIN_SEGMENTS;
