@@ -142,12 +142,15 @@ impl Setup {
             shoulder_undercut_rad: joint.shoulder_undercut_deg.to_radians(),
             corner_radius_mm: joint.corner_radius_mm,
             hook_radius_mm: joint.hook_radius_mm.unwrap_or(0.0),
+            hinge: joint.hinge.map(|d| strip::Dashes { cut_mm: d.cut_mm, gap_mm: d.gap_mm }),
             slit_length_mm: joint.slit_length_mm(),
             slit_width_mm: joint.slit_width_mm.unwrap_or(0.0),
+            slit_relief_mm: joint.slit_relief_mm.unwrap_or(0.0),
             slit_ahead_mm: joint.slit_ahead_mm,
             edge_distance_mm: joint.edge_distance_mm,
             cut_distance_mm: joint.cut_distance_mm,
             end_tab_mm: joint.end_tab_mm,
+            thickness_mm: self.profile.thickness_mm,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Joint numbers and piece names, lettered beside the cuts they belong to.
 
-use super::fasten::Fastening;
 use super::joint::Joint;
+use super::passage::Passage;
 use crate::drawing::{DrawnPath, KerfSide, Role, text_paths, text_width};
 use crate::geom::{Motion, P2, Rect, V2, contains, segments_cross, tolerance};
 
@@ -12,7 +12,7 @@ const CLEAR_MM: f64 = 0.8;
 pub(super) fn labels(
     piece: &str,
     paths: &[DrawnPath],
-    fastenings: &[&Fastening],
+    passages: &[Passage],
     joint: &Joint,
     height_mm: f64,
 ) -> (Vec<DrawnPath>, usize) {
@@ -39,9 +39,9 @@ pub(super) fn labels(
             }));
         }
     };
-    for fastening in fastenings {
-        let width = text_width(&fastening.joint, height_mm);
-        write(&fastening.joint, Some(&fastening.joint), beside(fastening, joint, width, height_mm));
+    for passage in passages {
+        let width = text_width(&passage.joint, height_mm);
+        write(&passage.joint, Some(&passage.joint), beside(passage, joint, width, height_mm));
     }
     let bounds = Rect::around(&contour);
     let step = height_mm + CLEAR_MM;
@@ -69,17 +69,17 @@ fn inside(rect: &Rect, contour: &[P2]) -> bool {
 }
 
 /// Places to try for a joint number, best first: behind the hinge or the slit, on the side the flap does not point to; then ahead; then beside, across the strip.
-fn beside(fastening: &Fastening, joint: &Joint, width: f64, height: f64) -> Vec<P2> {
-    let bounds = fastening.bounds(joint).grown(1.2 * CLEAR_MM);
+fn beside(passage: &Passage, joint: &Joint, width: f64, height: f64) -> Vec<P2> {
+    let bounds = passage.bounds(joint).grown(1.2 * CLEAR_MM);
     let (left, right) = (bounds.min.x - width, bounds.max.x);
-    let sides = if fastening.direction > 0.0 { [left, right] } else { [right, left] };
+    let sides = if passage.seats.first().is_none_or(|s| s.direction > 0.0) { [left, right] } else { [right, left] };
     let mut corners = Vec::new();
-    for w in &fastening.across_mm {
+    for w in passage.seats.iter().map(|s| s.across_mm) {
         corners.extend(sides.map(|s| P2::new(s, w - 0.5 * height)));
     }
     let middle = 0.5 * (bounds.min.x + bounds.max.x - width);
     let across = 0.5 * joint.head_mm() + joint.hook_radius_mm + 1.2 * CLEAR_MM;
-    for w in &fastening.across_mm {
+    for w in passage.seats.iter().map(|s| s.across_mm) {
         corners.extend([P2::new(middle, w + across), P2::new(middle, w - across - height)]);
     }
     corners

@@ -5,18 +5,27 @@
 
 mod edge;
 mod fasten;
+mod fold;
+mod hold;
 mod joint;
 mod label;
+mod mating;
+mod passage;
+mod seats;
 mod splice;
 
-pub use joint::Joint;
+pub use fold::Face;
+pub use hold::Hold;
+pub use joint::{Dashes, Joint};
+pub use passage::{Half, Passage, Seat};
+pub use splice::{Splice, SpliceKind};
 
 use crate::drawing::{Drawing, DrawnPath, KerfSide, Role};
 use crate::fit::Part;
 use crate::geom::Path;
 use crate::progress::Warning;
 use edge::Edges;
-use fasten::Fastening;
+use std::ops::Range;
 
 /// How strips are made into pieces.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +51,10 @@ pub struct Piece {
     pub part: String,
     /// What is cut and engraved, strip frame.
     pub drawing: Drawing,
+    /// The stretch of the strip it is, mm, laps and end tabs included; the first connection point is at 0.
+    pub stations_mm: Range<f64>,
+    /// Where it carries flaps and slits, by station.
+    pub passages: Vec<Passage>,
     /// Extent along s, mm.
     pub length_mm: f64,
     /// Extent along w, mm.
@@ -55,6 +68,8 @@ pub struct Piece {
 pub struct Pieces {
     /// In strip order.
     pub pieces: Vec<Piece>,
+    /// How each piece is joined to the next.
+    pub splices: Vec<Splice>,
     /// Largest distance between where a flap's root finds its slit and where it should, from the drawn cuts, mm.
     pub max_mating_error_mm: f64,
     /// Labels that overlap a cut or another label.
@@ -99,23 +114,22 @@ pub enum Error {
 /// Lays `part` flat and divides it into pieces.
 pub fn pieces(part: &Part, settings: &Settings) -> Result<Pieces, Error> {
     let edges = Edges::new(part, settings.joint.end_tab_mm);
-    let (fastenings, mut warnings) = fasten::fastenings(part, &edges, &settings.joint);
-    let ranges = splice::divide(part, &edges, &fastenings, settings)?;
+    let (passages, mut warnings) = fasten::passages(part, &edges, &settings.joint);
+    let ranges = splice::divide(part, &edges, &passages, settings)?;
     let mut label_collisions = 0;
     let mut pieces = Vec::with_capacity(ranges.len());
     for (i, range) in ranges.iter().enumerate() {
         let name = format!("{}{}", part.name, i + 1);
-        let own = |f: &&Fastening| range.contains(&f.station_mm);
+        let own: Vec<Passage> = passages.iter().filter(|p| range.contains(&p.station_mm)).cloned().collect();
         let mut paths = vec![DrawnPath {
             path: edges.contour(range.clone()),
             role: Role::Outline,
             kerf: KerfSide::Outside,
             joint: None,
         }];
-        paths.extend(fastenings.iter().filter(own).flat_map(|f| f.paths(&settings.joint)));
+        paths.extend(own.iter().flat_map(|f| f.paths(&settings.joint)));
         if let Some(height_mm) = settings.label_mm {
             paths.extend(splice::marks(&edges, &ranges, i, settings.splice_overlap_mm));
-            let own: Vec<&Fastening> = fastenings.iter().filter(own).collect();
             let (labels, collisions) = label::labels(&name, &paths, &own, &settings.joint, height_mm);
             paths.extend(labels);
             label_collisions += collisions;
@@ -127,6 +141,8 @@ pub fn pieces(part: &Part, settings: &Settings) -> Result<Pieces, Error> {
             name,
             part: part.name.clone(),
             drawing,
+            stations_mm: range.clone(),
+            passages: own,
             length_mm: bounds.width(),
             width_mm: bounds.height(),
             mass_g: outline_mm2 * 1e-6 * settings.grammage_g_per_m2,
@@ -147,8 +163,15 @@ pub fn pieces(part: &Part, settings: &Settings) -> Result<Pieces, Error> {
         );
     }
     let cuts = pieces.iter().flat_map(|piece| &piece.drawing.paths);
-    let max_mating_error_mm = fasten::worst_mating_error_mm(part, cuts, &settings.joint);
-    Ok(Pieces { pieces, max_mating_error_mm, label_collisions, warnings })
+    let max_mating_error_mm = mating::worst_mating_error_mm(part, cuts, &settings.joint);
+    let splice = |(i, pair): (usize, &[Range<f64>])| Splice {
+        kind: SpliceKind::Lap,
+        pieces: [pieces[i].name.clone(), pieces[i + 1].name.clone()],
+        stations_mm: pair[1].start..pair[0].end,
+        joints: Vec::new(),
+    };
+    let splices = ranges.windows(2).enumerate().map(splice).collect();
+    Ok(Pieces { pieces, splices, max_mating_error_mm, label_collisions, warnings })
 }
 
 /// An uncut line across the strip.
@@ -263,7 +286,7 @@ mod tests {
         let laid = pieces(&part, &settings(5000.0)).unwrap();
         let joint = joint::paper();
         let drawn = &laid.pieces[0].drawing.paths;
-        let error = |paths: &[DrawnPath]| fasten::worst_mating_error_mm(&part, paths.iter(), &joint);
+        let error = |paths: &[DrawnPath]| mating::worst_mating_error_mm(&part, paths.iter(), &joint);
         for (ds, dw, least) in [(0.3, 0.0, 0.2), (-0.3, 0.0, 0.2), (0.0, 0.2, 0.2)] {
             let mut spoilt = drawn.clone();
             let slit = spoilt.iter_mut().find(|p| p.role == Role::Slit).unwrap();
@@ -271,7 +294,7 @@ mod tests {
             assert!(error(&spoilt) > least, "{ds} {dw}: {}", error(&spoilt));
         }
         let behind = Joint { slit_ahead_mm: -joint.slit_ahead_mm, ..joint };
-        assert!(fasten::worst_mating_error_mm(&part, drawn.iter(), &behind) > 0.9);
+        assert!(mating::worst_mating_error_mm(&part, drawn.iter(), &behind) > 0.9);
     }
 
     #[test]

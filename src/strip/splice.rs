@@ -1,13 +1,39 @@
 //! Dividing a strip that is longer than the stock. Neighbouring pieces overlap by a lap, which is glued or taped.
 
 use super::edge::Edges;
-use super::fasten::Fastening;
+use super::passage::Passage;
 use super::{Error, Settings, line};
 use crate::drawing::{DrawnPath, Role};
 use crate::fit::Part;
 use crate::geom::{P2, Path};
 use crate::ruffle;
 use std::ops::Range;
+
+/// How two pieces of one strip are joined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum SpliceKind {
+    /// Both ends overlap at a connection point, whose own flaps go through both.
+    Connection,
+    /// Both ends overlap between two connection points and are held by flaps, holes or glue of their own.
+    Lap,
+    /// Dovetails side by side, taped over.
+    DovetailTape,
+    /// Fingers side by side, glued or taped.
+    Finger,
+}
+
+/// Where two pieces of one strip are joined. The later piece lies on the front of the earlier one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Splice {
+    /// How.
+    pub kind: SpliceKind,
+    /// The earlier piece and the later one.
+    pub pieces: [String; 2],
+    /// Where both are, mm along the strip.
+    pub stations_mm: Range<f64>,
+    /// Joints that hold it: that of the connection point, or the lap's own.
+    pub joints: Vec<String>,
+}
 
 /// Splices may lie at stations this far apart, mm.
 const STEP_MM: f64 = 0.5;
@@ -25,7 +51,7 @@ const LENGTH_COST: f64 = 0.05;
 pub(super) fn divide(
     part: &Part,
     edges: &Edges,
-    fastenings: &[Fastening],
+    passages: &[Passage],
     settings: &Settings,
 ) -> Result<Vec<Range<f64>>, Error> {
     let whole = edges.range();
@@ -37,7 +63,7 @@ pub(super) fn divide(
     if max < least_mm {
         return Err(Error::StockTooShort { part: part.name.clone(), max_piece_mm: max, least_mm });
     }
-    let laps = lap_costs(part, edges, fastenings, settings);
+    let laps = lap_costs(part, edges, passages, settings);
     let cuts = cheapest(&laps, whole.clone(), overlap, max).map_err(|(from_mm, to_mm)| Error::NoRoomForSplice {
         part: part.name.clone(),
         from_mm,
@@ -90,9 +116,9 @@ fn cheapest(laps: &[(f64, f64)], whole: Range<f64>, overlap_mm: f64, max_mm: f64
 }
 
 /// Stations where a lap may lie, ascending, with what it costs there.
-fn lap_costs(part: &Part, edges: &Edges, fastenings: &[Fastening], settings: &Settings) -> Vec<(f64, f64)> {
+fn lap_costs(part: &Part, edges: &Edges, passages: &[Passage], settings: &Settings) -> Vec<(f64, f64)> {
     let joints: Vec<Range<f64>> =
-        fastenings.iter().map(|f| f.bounds(&settings.joint)).map(|b| b.min.x..b.max.x).collect();
+        passages.iter().map(|f| f.bounds(&settings.joint)).map(|b| b.min.x..b.max.x).collect();
     let stations = part.ruffle.stations();
     let loops = part.ruffle.sections.iter().filter(|s| s.role == ruffle::Role::Outer);
     let crowns: Vec<Range<f64>> = loops
