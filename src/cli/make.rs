@@ -46,6 +46,9 @@ pub struct Args {
     /// Replace a different design in that folder
     #[arg(long)]
     force: bool,
+    /// Also write drawings with the kerf in them, NAME-kerf.svg, for programs that know none
+    #[arg(long)]
+    svg_kerf: bool,
     /// Print report.json on stdout instead of a table
     #[arg(long)]
     json: bool,
@@ -96,6 +99,7 @@ pub(super) fn run(args: Args) -> Result<(), Failure> {
         Order::from_mesh(&args.shape, &overrides)?
     };
     order.force = args.force;
+    order.svg_kerf = args.svg_kerf;
     let out = args.out.unwrap_or_else(|| default_folder(&args.shape, is_design));
     listen_for_interrupts()?;
     let mut screen = Screen::new();

@@ -4,6 +4,7 @@
 
 mod edit;
 
+use crate::config::Making;
 use crate::cut::Plane;
 use crate::geom::{P3, V3};
 use serde::{Deserialize, Serialize};
@@ -24,6 +25,9 @@ pub struct Design {
     /// Stock to use, in order of preference; empty takes what the material offers.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stock: Vec<String>,
+    /// How strips are fastened, divided and labelled, where that is not the material's way.
+    #[serde(default, skip_serializing_if = "Making::is_default")]
+    pub making: Making,
     /// The shape.
     pub mesh: MeshSource,
     /// How it is filled, one entry a part.
@@ -242,6 +246,7 @@ mod tests {
             schema: SCHEMA,
             machine: "diode-400".into(),
             material: "paper-160".into(),
+            making: Making::default(),
             stock: vec!["A3".into()],
             mesh: MeshSource { file: "stool.obj".into(), sha256: None, up: Some(Up::Y), height_mm: Some(100.0) },
             parts: vec![PartDesign {

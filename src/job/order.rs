@@ -2,6 +2,7 @@
 
 use super::Error;
 use super::output::{absolute, relative};
+use crate::config::Making;
 use crate::design::{Design, Foot, MeshSource, PartDesign, SCHEMA, Up};
 use crate::mesh;
 use sha2::{Digest, Sha256};
@@ -19,6 +20,8 @@ pub struct Order {
     pub folder: PathBuf,
     /// Replace a different design in the output folder.
     pub force: bool,
+    /// Also write drawings with the kerf in them, for programs that know none.
+    pub svg_kerf: bool,
 }
 
 /// Values from the command line; each goes over the design's.
@@ -54,10 +57,11 @@ impl Order {
             machine: NOT_NAMED.into(),
             material: NOT_NAMED.into(),
             stock: Vec::new(),
+            making: Making::default(),
             mesh: MeshSource { file, sha256: Some(sha256_of(&mesh)?), up: None, height_mm: None },
             parts: vec![PartDesign { name: "A".into(), plane: None, layers: None, foot: Foot::Auto }],
         };
-        Ok(Order { design: overridden(design, overrides)?, text: None, folder, force: false })
+        Ok(Order { design: overridden(design, overrides)?, text: None, folder, force: false, svg_kerf: false })
     }
 
     /// A design file.
@@ -71,7 +75,7 @@ impl Order {
                 *name = absolute(&folder.join(&*name))?.display().to_string();
             }
         }
-        Ok(Order { design: overridden(design, overrides)?, text: Some(text), folder, force: false })
+        Ok(Order { design: overridden(design, overrides)?, text: Some(text), folder, force: false, svg_kerf: false })
     }
 
     /// The design file's text for `out_dir`: re-runnable from there, comments kept.

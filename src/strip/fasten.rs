@@ -2,7 +2,7 @@
 
 use super::edge::Edges;
 use super::fold::Meeting;
-use super::joint::Joint;
+use super::joint::{Fastening, Joint};
 use super::passage::{Half, Passage, Seat};
 use super::seats;
 use crate::fit::Part;
@@ -31,9 +31,14 @@ pub(super) fn passages(part: &Part, edges: &Edges, joint: &Joint) -> (Vec<Passag
             let station_mm = stations[connection.passes[pass]];
             Passage { joint: name.clone(), station_mm, half, face, depth, sheets, seats }
         };
-        site.placed.push(passage(flap_pass, Half::Flap, face, 0));
+        let (from, into) = match joint.fastening {
+            Fastening::Flap => (Half::Flap, Half::Slit),
+            Fastening::Holes { diameter_mm } => (Half::Holes { diameter_mm }, Half::Holes { diameter_mm }),
+            Fastening::Mark => (Half::Mark, Half::Mark),
+        };
+        site.placed.push(passage(flap_pass, from, face, 0));
         for (i, pass) in through.into_iter().enumerate() {
-            site.placed.push(passage(pass, Half::Slit, meeting.face_toward(pass, flap_pass), i + 1));
+            site.placed.push(passage(pass, into, meeting.face_toward(pass, flap_pass), i + 1));
         }
     }
     let mut passages = site.placed;
@@ -63,11 +68,11 @@ impl Way {
 
     /// How far flaps reach behind and ahead of their hinge, mm.
     fn reach(self, joint: &Joint, sheets: usize) -> (f64, f64) {
-        let (hook, tip) = (joint.hook_radius_mm, joint.reach_mm(sheets));
+        let (behind, ahead) = joint.reach_both_ways_mm(sheets);
         match self {
-            Way::Ahead => (hook, tip),
-            Way::Back => (tip, hook),
-            Way::Both => (tip, tip),
+            Way::Ahead => (behind, ahead),
+            Way::Back => (ahead, behind),
+            Way::Both => (ahead, ahead),
         }
     }
 }

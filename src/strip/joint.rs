@@ -3,9 +3,26 @@
 use crate::drawing::{DrawnPath, KerfSide, Role};
 use crate::geom::{P2, Path, PathVertex, V2};
 
-/// A flap that goes through a slit and holds by two barbs (paper figure 4), nominal, mm. Hinge line and slit lie across the strip, the flap points along it.
+/// What fastens the passes of a joint to each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fastening {
+    /// A flap through slits, cut into the strip itself.
+    Flap,
+    /// Round holes for rivets, brass fasteners or thread.
+    Holes {
+        /// Diameter, mm.
+        diameter_mm: f64,
+    },
+    /// Marked places for tape or glue; nothing is cut.
+    Mark,
+}
+
+/// A joint, nominal, mm: a flap that goes through a slit and holds by two barbs (paper figure 4). Hinge line and slit lie across the strip, the flap points along it.
+/// Other fastenings take the place of flap and slit and keep the distances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
+    /// What fastens it.
+    pub fastening: Fastening,
     /// Narrowest strip that can carry one flap.
     pub min_width_mm: f64,
     /// Width of the neck.
@@ -44,6 +61,8 @@ pub struct Joint {
     pub end_tab_mm: f64,
     /// Thickness of the sheet.
     pub thickness_mm: f64,
+    /// Least sheet behind the slit's end on each side of a head, when kerf is at its worst; below it a joint falls open.
+    pub min_retention_mm: f64,
 }
 
 /// A dashed cut, mm.
@@ -57,6 +76,8 @@ pub struct Dashes {
 
 /// What a flap needs in its neck beside the sheets it holds together, mm, when these are more than two (materials practice: 3 t + 1 at a splice).
 const NECK_PLAY_MM: f64 = 1.0;
+/// Size of the cross that marks a place for tape or glue, mm.
+const CROSS_MM: f64 = 6.0;
 
 impl Joint {
     /// Width of the head over both barbs, mm.
@@ -64,9 +85,21 @@ impl Joint {
         self.neck_mm + 2.0 * self.barb_mm
     }
 
-    /// Width that the cuts of a flap take out of the strip, hooks included, mm.
+    /// Extent across the strip of what is cut or marked at one seat, hooks included, mm.
     pub fn cut_out_mm(&self) -> f64 {
-        self.head_mm().max(self.neck_mm + 4.0 * self.hook_radius_mm).max(self.slit_length_mm)
+        match self.fastening {
+            Fastening::Flap => self.head_mm().max(self.neck_mm + 4.0 * self.hook_radius_mm).max(self.slit_length_mm),
+            Fastening::Holes { diameter_mm } => diameter_mm,
+            Fastening::Mark => CROSS_MM,
+        }
+    }
+
+    /// How far what is cut at one seat reaches behind its station and ahead of it, mm, on the pass that carries the flap.
+    pub fn reach_both_ways_mm(&self, sheets: usize) -> (f64, f64) {
+        match self.fastening {
+            Fastening::Flap => (self.hook_radius_mm, self.reach_mm(sheets)),
+            Fastening::Holes { .. } | Fastening::Mark => (0.5 * self.cut_out_mm(), 0.5 * self.cut_out_mm()),
+        }
     }
 
     /// From the hinge to the shoulders of a flap that goes through `sheets` sheets, mm.
@@ -84,6 +117,9 @@ impl Joint {
 
     /// How far ahead of the hinge line the slit in the `depth`-th sheet lies, mm: each sheet farther takes the flap one thickness more to get there.
     pub fn lead_mm(&self, depth: usize) -> f64 {
+        if self.fastening != Fastening::Flap {
+            return 0.0;
+        }
         self.slit_ahead_mm + depth.saturating_sub(1) as f64 * self.thickness_mm
     }
 
@@ -203,6 +239,17 @@ impl Joint {
         }
         cuts
     }
+
+    /// The cross that marks a seat for tape or glue.
+    pub fn cross(&self) -> [DrawnPath; 2] {
+        let r = 0.5 * CROSS_MM;
+        [(r, 0.0), (0.0, r)].map(|(x, y)| cut(Path::open([P2::new(-x, -y), P2::new(x, y)]), Role::Mark, KerfSide::On))
+    }
+}
+
+/// A round hole on the origin.
+pub(super) fn hole(diameter_mm: f64) -> DrawnPath {
+    cut(Path::circle(P2::origin(), 0.5 * diameter_mm), Role::Hole, KerfSide::Inside)
 }
 
 fn cut(path: Path, role: Role, kerf: KerfSide) -> DrawnPath {
@@ -212,6 +259,7 @@ fn cut(path: Path, role: Role, kerf: KerfSide) -> DrawnPath {
 #[cfg(test)]
 pub(super) fn paper() -> Joint {
     Joint {
+        fastening: Fastening::Flap,
         min_width_mm: 20.0,
         neck_mm: 8.0,
         barb_mm: 1.5,
@@ -231,6 +279,7 @@ pub(super) fn paper() -> Joint {
         cut_distance_mm: 8.0,
         end_tab_mm: 9.0,
         thickness_mm: 0.19,
+        min_retention_mm: 0.6,
     }
 }
 
