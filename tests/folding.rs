@@ -130,7 +130,7 @@ struct Piece {
 fn tokens(data: &str) -> Vec<(char, Vec<f64>)> {
     let mut out: Vec<(char, Vec<f64>)> = Vec::new();
     let mut word = String::new();
-    let mut flush = |word: &mut String, out: &mut Vec<(char, Vec<f64>)>| {
+    let flush = |word: &mut String, out: &mut Vec<(char, Vec<f64>)>| {
         if !word.is_empty() {
             out.last_mut().expect("a command first").1.push(word.parse().expect("a number"));
             word.clear();
@@ -409,33 +409,24 @@ fn spoilt_files_are_noticed() {
     );
     fs::write(&file, swapped).unwrap();
     noticed("a flap with another joint's number");
-    // All strokes inside the first solid triangle taken out: hollow says the other way.
-    let hollow = without_fill(&good);
-    fs::write(&file, hollow).unwrap();
-    noticed("a fold mark that says the other way");
+    // A flap that folds away, marked as one that folds toward the reader.
+    let [hollow, solid] = [false, true].map(|solid| {
+        let name = read_piece(&file).folds.iter().find(|f| f.1 == solid).map(|f| f.0.clone());
+        name.unwrap_or_default()
+    });
+    let exchanged = good.lines().map(|line| {
+        let of = |joint: &str| line.contains("class=\"label\"") && line.contains(&format!("data-joint=\"{joint}\""));
+        match (of(&hollow), of(&solid)) {
+            (true, _) => line.replacen(&hollow, &solid, 1),
+            (_, true) => line.replacen(&solid, &hollow, 1),
+            _ => line.to_owned(),
+        }
+    });
+    fs::write(&file, exchanged.map(|l| l + "\n").collect::<String>()).unwrap();
+    noticed("fold marks of two joints exchanged");
     // The rest of the file as it was, but one slit gone.
     let at = good.find("<path class=\"slit\"").unwrap();
     let end = at + good[at..].find('\n').unwrap() + 1;
     fs::write(&file, format!("{}{}", &good[..at], &good[end..])).unwrap();
     noticed("a slit left out");
-}
-
-/// The text of a piece without the two-point strokes inside its solid triangles.
-fn without_fill(text: &str) -> String {
-    let lines: Vec<&str> = text.lines().collect();
-    let shape = |line: &str| {
-        let from = line.find(" d=\"")? + 4;
-        line.contains("class=\"label\"").then(|| corners(line[from..].split('"').next().unwrap()).0)
-    };
-    let triangles: Vec<Vec<Point>> =
-        lines.iter().filter_map(|l| shape(l)).filter(|c| c.len() == 4 && c[0] == c[3]).collect();
-    let inside = |c: &[Point]| {
-        triangles.iter().any(|t| {
-            let low = t.iter().fold(t[0], |a, b| [a[0].min(b[0]), a[1].min(b[1])]);
-            let high = t.iter().fold(t[0], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-            c.iter().all(|p| p[0] > low[0] && p[0] < high[0] && p[1] > low[1] && p[1] < high[1])
-        })
-    };
-    let kept = lines.iter().filter(|l| !shape(l).is_some_and(|c| c.len() == 2 && inside(&c)));
-    kept.map(|l| format!("{l}\n")).collect()
 }

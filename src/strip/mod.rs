@@ -7,6 +7,7 @@
 //! Part -> edges -> passages (fold, seats) -> splices -> per piece: contour, cuts, marks, labels
 //! ```
 
+mod cutting;
 mod divide;
 mod dovetail;
 mod edge;
@@ -24,6 +25,7 @@ mod passage;
 mod piece;
 mod seats;
 mod splice;
+mod told;
 mod visible;
 
 pub use error::Error;
@@ -37,8 +39,8 @@ pub use splice::{Splice, SpliceKind, SpliceSettings};
 
 use crate::fit::Part;
 use crate::progress::Warning;
+use cutting::Cutting;
 use edge::Edges;
-use piece::Cutting;
 
 /// How strips are made into pieces.
 #[derive(Debug, Clone, PartialEq)]

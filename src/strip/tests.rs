@@ -13,7 +13,7 @@ use proptest::prelude::*;
 use std::sync::OnceLock;
 
 /// A square of 100 mm, filled, its strip this wide.
-fn part(width_mm: f64) -> Part {
+pub(super) fn part(width_mm: f64) -> Part {
     static SQUARE: OnceLock<Part> = OnceLock::new();
     let square = SQUARE.get_or_init(|| {
         let outer = [(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)].map(|(x, y)| P2::new(x, y)).to_vec();
@@ -49,7 +49,7 @@ fn load_test_part(strip: ruffle::Strip) -> Part {
     part
 }
 
-fn settings(max_piece_mm: f64) -> Settings {
+pub(super) fn settings(max_piece_mm: f64) -> Settings {
     let kind = SpliceKind::Connection;
     Settings {
         joint: joint::paper(),
