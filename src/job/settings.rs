@@ -75,6 +75,12 @@ impl Setup {
         let mut setup =
             Setup { stock: design.stock.clone(), making: design.making, machine, profile, pairing, warnings };
         setup.warnings.extend(setup.label_warning());
+        if setup.joint().fastening == strip::Fastening::Mark && setup.label_kind() != LabelKind::Engrave {
+            setup.warnings.push(Warning::new(
+                "marks-not-made",
+                "joints are to be taped or glued where they are marked, and nothing is engraved: the crosses are only in the drawings in strips/ and sheets/",
+            ));
+        }
         Ok(setup)
     }
 

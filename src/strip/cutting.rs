@@ -146,6 +146,7 @@ impl Cutting<'_> {
             true => visible::outward(self.part, &own, seen_from),
             false => Vec::new(),
         };
+        paths.retain(|p| p.role != Role::Mark || !clean.iter().any(|r| r.contains(&p.path.bounds().center().x)));
         let mirror = seen_from == Face::Back;
         if mirror {
             paths = mirrored(&paths);

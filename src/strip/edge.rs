@@ -2,7 +2,7 @@
 
 use super::dovetail;
 use crate::fit::Part;
-use crate::geom::{P2, Path, closest_on_segment, cross};
+use crate::geom::{P2, Path, V2, closest_on_segment, cross};
 use std::ops::Range;
 
 /// How far the strip reaches across at every station, end tabs included.
@@ -84,8 +84,11 @@ impl Edges {
                 let [from, to] = [notch.at_mm - 0.5 * notch.width_mm, notch.at_mm + 0.5 * notch.width_mm];
                 corners.retain(|c| !matches!(c, Corner::Rim(p) if p.x > from && p.x < to));
                 let edge = |s: f64| if upper { self.at(s).1 } else { self.at(s).0 };
-                let tip = if upper { edge(notch.at_mm) - notch.depth_mm } else { edge(notch.at_mm) + notch.depth_mm };
-                let own = [P2::new(from, edge(from)), P2::new(notch.at_mm, tip), P2::new(to, edge(to))];
+                let [a, b] = [P2::new(from, edge(from)), P2::new(to, edge(to))];
+                // Square to the edge, into the strip: on a slope a notch straight across would be a step.
+                let along = (b - a).normalize();
+                let inward = if upper { V2::new(along.y, -along.x) } else { V2::new(-along.y, along.x) };
+                let own = [a, nalgebra::center(&a, &b) + inward * notch.depth_mm, b];
                 let place = corners.partition_point(|c| c.point().x <= from);
                 corners.splice(place..place, own.map(Corner::Notch));
             }

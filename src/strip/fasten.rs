@@ -87,7 +87,7 @@ struct Bed {
 
 impl Bed {
     fn middles(&self, joint: &Joint) -> Vec<f64> {
-        seats::middles(self.lo, self.hi.max(self.lo), joint, self.way == Way::Both)
+        seats::middles(self.lo, self.hi, joint, self.way == Way::Both)
     }
 }
 
@@ -116,7 +116,7 @@ impl Site<'_> {
         let tenths = |mm: f64| (mm * 10.0).round() as i64;
         let rank = |bed: &Bed| {
             let width = bed.hi - bed.lo;
-            let enough = width >= self.joint.min_width_mm - tolerance::LIMIT_SLACK_MM;
+            let enough = width >= self.joint.least_bed_mm() - tolerance::LIMIT_SLACK_MM;
             let room = self.room_mm(connection, self.stations[at], bed.way.reach(self.joint, sheets));
             (enough, tenths(room), bed.middles(self.joint).len(), tenths(width))
         };
@@ -152,13 +152,13 @@ impl Site<'_> {
 /// Joints with less strip than they need, worst first, told once.
 fn narrow(beds: &[(f64, String)], joint: &Joint) -> Option<Warning> {
     let mut short: Vec<&(f64, String)> =
-        beds.iter().filter(|(width, _)| *width < joint.min_width_mm - tolerance::LIMIT_SLACK_MM).collect();
+        beds.iter().filter(|(width, _)| *width < joint.least_bed_mm() - tolerance::LIMIT_SLACK_MM).collect();
     short.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (width, name) = short.first()?;
     let names: Vec<&str> = short.iter().map(|(_, name)| name.as_str()).collect();
     let message = format!(
-        "too little strip for the flap: {width:.1} mm at joint {name}, {:.0} mm are needed or it may tear out. Make the shape larger or deeper",
-        joint.min_width_mm
+        "too little strip for the flap: {width:.1} mm at joint {name}, {:.1} mm are needed or it may tear out. Make the shape larger or deeper",
+        joint.least_bed_mm()
     );
     Some(Warning::new("joint-narrow", message).at(format!("joint {}", names.join(", "))))
 }
@@ -167,7 +167,7 @@ fn narrow(beds: &[(f64, String)], joint: &Joint) -> Option<Warning> {
 fn weak(beds: &[(f64, String)], joint: &Joint) -> Option<Warning> {
     let strong = seats::strong_width_mm(joint);
     let (width, name) = beds.iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(width, _)| {
-        (joint.min_width_mm - tolerance::LIMIT_SLACK_MM..strong - tolerance::LIMIT_SLACK_MM).contains(width)
+        (joint.least_bed_mm() - tolerance::LIMIT_SLACK_MM..strong - tolerance::LIMIT_SLACK_MM).contains(width)
     })?;
     let message = format!(
         "at joint {name} the cuts take {:.0} % of a strip {width:.0} mm wide; where it must carry load, make the shape deeper until {strong:.0} mm are left (at most {:.0} %)",

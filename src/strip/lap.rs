@@ -43,7 +43,7 @@ pub(super) fn passages(
             let (lo, hi) = edges.band(station_mm - clear..station_mm + clear);
             let across = match splice.thread_hole_mm {
                 Some(_) => stitches(lo, hi, clear),
-                None => seats::middles(lo, hi.max(lo), joint, false),
+                None => seats::middles(lo, hi, joint, false),
             };
             let seats: Vec<Seat> = across.into_iter().map(|across_mm| Seat { across_mm, direction }).collect();
             earlier.push(passage(half, Face::Front, &seats));
@@ -53,7 +53,7 @@ pub(super) fn passages(
         let (behind, ahead) = joint.reach_both_ways_mm(1);
         let ends = [station_mm - direction * behind, station_mm + direction * ahead];
         let (lo, hi) = edges.band(ends[0].min(ends[1]) - clear..ends[0].max(ends[1]) + clear);
-        let middles = seats::middles(lo, hi.max(lo), joint, false);
+        let middles = seats::middles(lo, hi, joint, false);
         let seats: Vec<Seat> = middles.into_iter().map(|across_mm| Seat { across_mm, direction }).collect();
         // The row nearer to a piece's body carries its flaps.
         let (own, other) = if direction < 0.0 { (&mut earlier, &mut later) } else { (&mut later, &mut earlier) };

@@ -24,6 +24,7 @@ mod mirror;
 mod passage;
 mod piece;
 mod seats;
+mod shape;
 mod splice;
 mod told;
 mod visible;

@@ -1,7 +1,8 @@
 //! What a strip carries where it passes a joint: the data that drawings, labels and assembly sheets are made from.
 
 use super::fold::Face;
-use super::joint::{Joint, hole};
+use super::joint::Joint;
+use super::shape::hole;
 use crate::drawing::DrawnPath;
 use crate::geom::{Motion, Rect, V2};
 use std::f64::consts::PI;
