@@ -20,6 +20,9 @@ pub struct Args {
     /// Replace a different design in that folder
     #[arg(long)]
     force: bool,
+    /// Also write drawings with the kerf in them, NAME-kerf.svg, for programs that know none
+    #[arg(long)]
+    svg_kerf: bool,
     /// Print report.json on stdout instead of a table
     #[arg(long)]
     json: bool,
@@ -28,6 +31,7 @@ pub struct Args {
 pub(super) fn run(args: Args) -> Result<(), Failure> {
     let mut order = args.shape.order()?;
     order.force = args.force;
+    order.svg_kerf = args.svg_kerf;
     let out = args.out.unwrap_or_else(|| default_folder(&args.shape, &order.name));
     let mut screen = Screen::open()?;
     let made = job::make(&order, &Library::open(), &out, &mut screen);

@@ -20,6 +20,7 @@ pub use text::edit_line;
 
 pub use apart::{Connector, Split, StripAlong};
 
+use crate::config::Making;
 use crate::cut::Plane;
 use crate::geom::{P3, V3};
 use serde::{Deserialize, Serialize};
@@ -43,6 +44,9 @@ pub struct Design {
     /// Which way strips run in the sheet.
     #[serde(default, skip_serializing_if = "StripAlong::is_default")]
     pub strip_along: StripAlong,
+    /// How strips are fastened, divided and labelled, where that is not the material's way.
+    #[serde(default, skip_serializing_if = "Making::is_default")]
+    pub making: Making,
     /// The shape; parts with an outline or a stack of their own need none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh: Option<MeshSource>,
@@ -263,6 +267,7 @@ mod tests {
             schema: SCHEMA,
             machine: "diode-400".into(),
             material: "paper-160".into(),
+            making: Making::default(),
             stock: vec!["A3".into()],
             strip_along: StripAlong::Grain,
             splits: Vec::new(),

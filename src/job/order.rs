@@ -2,6 +2,7 @@
 
 use super::Error;
 use super::output::{absolute, relative};
+use crate::config::Making;
 use crate::design::{self, Design, Edit, Foot, MeshSource, OutlineSource, PartDesign, SCHEMA, StripAlong, Up};
 use crate::mesh;
 use sha2::{Digest, Sha256};
@@ -21,6 +22,8 @@ pub struct Order {
     pub name: String,
     /// Replace a different design in the output folder.
     pub force: bool,
+    /// Also write drawings with the kerf in them, for programs that know none.
+    pub svg_kerf: bool,
 }
 
 /// A design file.
@@ -66,6 +69,7 @@ impl Order {
             material: NOT_NAMED.into(),
             stock: Vec::new(),
             strip_along: StripAlong::Grain,
+            making: Making::default(),
             mesh: Some(MeshSource { file, sha256: Some(sha256_of(&mesh)?), up: None, height_mm: None }),
             splits: Vec::new(),
             parts: vec![PartDesign::new("A")],
@@ -73,7 +77,7 @@ impl Order {
             edits: Vec::new(),
         };
         let name = stem(&mesh);
-        Ok(Order { design: overridden(design, overrides)?, source: None, folder, name, force: false })
+        Ok(Order { design: overridden(design, overrides)?, source: None, folder, name, force: false, svg_kerf: false })
     }
 
     /// A design file.
@@ -97,7 +101,7 @@ impl Order {
             None => design.parts.iter().map(|p| p.name.as_str()).collect::<Vec<&str>>().join("-"),
         };
         let source = Some(Source { file: file.to_owned(), text });
-        Ok(Order { design: overridden(design, overrides)?, source, folder, name, force: false })
+        Ok(Order { design: overridden(design, overrides)?, source, folder, name, force: false, svg_kerf: false })
     }
 
     /// A design that comes with the program ([`design::built_in`]); any other name is a file that is not there.

@@ -1,7 +1,10 @@
 //! The only place where machine and profile become the stages' settings.
 
 use super::Error;
-use crate::config::{self, Air, AirCode, Corner, Grain, Library, Machine, Pairing, Profile, ToolClass};
+use crate::config::{
+    self, Air, AirCode, Corner, Grain, JointKind, LabelKind, Library, Machine, Making, Pairing, Profile, SpliceKind,
+    ToolClass, VisibleFace,
+};
 use crate::design::{Design, Foot, MeshSource, Method, PartDesign, Stack, StripAlong, Up};
 use crate::geom::{P2, Rect};
 use crate::progress::Warning;
@@ -10,6 +13,9 @@ use crate::{cut, fit, gcode, mesh, nest, sim, stream, strip, toolpath};
 
 /// Sheets thinner than this, mm, lift and blow away when nothing holds them.
 const THIN_MM: f64 = 0.5;
+/// Letters a pen draws are legible from this height, mm, and letters cut in dashes from this (materials practice).
+const PEN_LABEL_MM: f64 = 5.0;
+const PERFORATED_LABEL_MM: f64 = 6.0;
 
 /// Machine, material and how they go together.
 #[derive(Debug, Clone)]
@@ -24,6 +30,8 @@ pub struct Setup {
     pub stock: Vec<String>,
     /// Which way strips run in the sheet.
     pub strip_along: StripAlong,
+    /// How strips are fastened, divided and labelled, where the design says so.
+    pub making: Making,
     /// What the user should know about the pair.
     pub warnings: Vec<Warning>,
 }
@@ -67,16 +75,63 @@ impl Setup {
                 ),
             ));
         }
-        if pairing.engrave.is_none() {
-            warnings.push(Warning::new(
-                "no-labels",
-                format!(
-                    "{} cannot mark {} legibly: nothing is engraved; parts/ shows the joint numbers",
-                    machine.name, profile.name
-                ),
+        let mut setup = Setup {
+            stock: design.stock.clone(),
+            strip_along: design.strip_along,
+            making: design.making,
+            machine,
+            profile,
+            pairing,
+            warnings,
+        };
+        setup.warnings.extend(setup.label_warning());
+        if setup.joint().fastening == strip::Fastening::Mark && setup.label_kind() != LabelKind::Engrave {
+            setup.warnings.push(Warning::new(
+                "marks-not-made",
+                "joints are to be taped or glued where they are marked, and nothing is engraved: the crosses are only in the drawings in strips/ and sheets/",
             ));
         }
-        Ok(Setup { stock: design.stock.clone(), strip_along: design.strip_along, machine, profile, pairing, warnings })
+        Ok(setup)
+    }
+
+    /// What the chosen labels ask of the user.
+    fn label_warning(&self) -> Option<Warning> {
+        let (machine, profile) = (&self.machine.name, &self.profile.name);
+        let message = match self.label_kind() {
+            LabelKind::Engrave | LabelKind::Perforate => return None,
+            LabelKind::Pen => {
+                "joint numbers are left to a pen: they are in the drawings (black), not in the cutting programs".into()
+            }
+            LabelKind::Notch => format!(
+                "{machine} writes nothing on {profile}: notches in the edge tell the joints, a deep one counts five, a shallow one one; in the lower edge fold toward you, in the upper away"
+            ),
+            LabelKind::Map => {
+                format!("{machine} cannot mark {profile} legibly: nothing is engraved; parts/ shows the joint numbers")
+            }
+        };
+        Some(Warning::new("no-labels", message))
+    }
+
+    /// How pieces are labelled: as the design says, else the material for this tool, else engraved where that can be done.
+    fn label_kind(&self) -> LabelKind {
+        let usual = if self.pairing.engrave.is_some() { LabelKind::Engrave } else { LabelKind::Map };
+        let wanted = self.making.label.or_else(|| self.profile.label.for_tool(self.machine.tool.class));
+        match wanted.unwrap_or(usual) {
+            LabelKind::Engrave => usual,
+            other => other,
+        }
+    }
+
+    /// What the pieces carry.
+    fn labels(&self) -> strip::Labels {
+        let least = self.profile.min_label_height_mm;
+        match self.label_kind() {
+            LabelKind::Engrave => strip::Labels::Strokes { height_mm: least },
+            LabelKind::Pen => strip::Labels::Strokes { height_mm: least.max(PEN_LABEL_MM) },
+            LabelKind::Perforate => strip::Labels::Perforated { height_mm: least.max(PERFORATED_LABEL_MM) },
+            LabelKind::Notch => strip::Labels::Notches,
+            LabelKind::Map => strip::Labels::Nothing,
+        }
     }
 
     /// What the head reaches, mm.
@@ -151,8 +206,17 @@ impl Setup {
     /// The joint for this tool.
     pub fn joint(&self) -> strip::Joint {
         let joint = self.profile.joint_for(self.machine.tool.class);
+        let holes = self.profile.joint.holes;
+        let (fastening, min_width_mm, edge_distance_mm) = match self.making.joint.unwrap_or(self.profile.joint.kind) {
+            JointKind::Flap => (strip::Fastening::Flap, joint.min_width_mm, joint.edge_distance_mm),
+            JointKind::Holes => {
+                (strip::Fastening::Holes { diameter_mm: holes.diameter_mm }, 2.0 * holes.edge_mm, holes.edge_mm)
+            }
+            JointKind::Mark => (strip::Fastening::Mark, joint.min_width_mm, joint.edge_distance_mm),
+        };
         strip::Joint {
-            min_width_mm: joint.min_width_mm,
+            fastening,
+            min_width_mm,
             neck_mm: joint.neck_mm,
             barb_mm: joint.barb_mm,
             neck_length_mm: joint.neck_length_mm,
@@ -167,10 +231,11 @@ impl Setup {
             slit_width_mm: joint.slit_width_mm.unwrap_or(0.0),
             slit_relief_mm: joint.slit_relief_mm.unwrap_or(0.0),
             slit_ahead_mm: joint.slit_ahead_mm,
-            edge_distance_mm: joint.edge_distance_mm,
+            edge_distance_mm,
             cut_distance_mm: joint.cut_distance_mm,
             end_tab_mm: joint.end_tab_mm,
             thickness_mm: self.profile.thickness_mm,
+            min_retention_mm: joint.min_retention_mm,
         }
     }
 
@@ -178,9 +243,22 @@ impl Setup {
     pub fn strip(&self, max_piece_mm: f64) -> strip::Settings {
         strip::Settings {
             joint: self.joint(),
+            kerf_mm: self.pairing.cut.kerf_mm,
             max_piece_mm,
-            splice_overlap_mm: self.profile.splice.lap_mm,
-            label_mm: self.pairing.engrave.as_ref().map(|_| self.profile.min_label_height_mm),
+            splice: strip::SpliceSettings {
+                kind: match self.making.splice.unwrap_or(self.profile.splice_kind()) {
+                    SpliceKind::Connection => strip::SpliceKind::Connection,
+                    SpliceKind::Lap => strip::SpliceKind::Lap,
+                    SpliceKind::DovetailTape => strip::SpliceKind::DovetailTape,
+                    SpliceKind::Finger => strip::SpliceKind::Finger,
+                },
+                connection_mm: self.profile.splice.connection_mm,
+                lap_mm: self.profile.splice.lap_mm,
+                rows_mm: self.profile.splice.rows_mm,
+                thread_hole_mm: self.profile.splice.thread_hole_mm,
+            },
+            labels: self.labels(),
+            clean_outside: self.making.visible_face == Some(VisibleFace::Clean),
             grammage_g_per_m2: self.profile.grammage_g_per_m2,
         }
     }
@@ -219,7 +297,8 @@ impl Setup {
         let cut = process(&self.pairing.cut);
         toolpath::Settings {
             kerf_mm: self.pairing.cut.kerf_mm,
-            engrave: self.pairing.engrave.as_ref().map(process),
+            // A pen's strokes are not for this tool.
+            engrave: self.pairing.engrave.as_ref().filter(|_| self.label_kind() == LabelKind::Engrave).map(process),
             cut_inner: cut,
             cut_outline: cut,
             work_area: self.reach(),

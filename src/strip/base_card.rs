@@ -19,7 +19,7 @@ const HOLE_MM: f64 = 0.75;
 pub fn base_card(part: &Part, settings: &Settings) -> Piece {
     let name = format!("{}-base", part.name);
     let joints = part.ruffle.connection_points();
-    let height = settings.label_mm.unwrap_or(0.0);
+    let height = settings.labels.drawn_mm().unwrap_or(0.0);
     let margin = MARGIN_MM.max(height + 2.0 * CLEAR_MM);
     let foot = part.ruffle.foot.map(|node| {
         let (u, span) = (part.equilibrium.positions[node.index()].x, part.spans[node.index()]);
@@ -39,7 +39,7 @@ pub fn base_card(part: &Part, settings: &Settings) -> Piece {
     }];
     let inked = |path: Path, role: Role, joint: Option<String>| DrawnPath { path, role, kerf: KerfSide::On, joint };
     for (line, label) in foot {
-        if settings.label_mm.is_none() {
+        if settings.labels.drawn_mm().is_none() {
             let holes = line.map(|p| DrawnPath {
                 path: Path::circle(p, HOLE_MM),
                 role: Role::Hole,
@@ -59,7 +59,7 @@ pub fn base_card(part: &Part, settings: &Settings) -> Piece {
             );
         }
     }
-    if settings.label_mm.is_some() {
+    if settings.labels.drawn_mm().is_some() {
         let corner = Motion::translation(card.min.x + CLEAR_MM, card.max.y - CLEAR_MM - height);
         paths.extend(text_paths(&title, height).iter().map(|p| inked(p.moved(&corner), Role::Label, None)));
     }
@@ -74,6 +74,7 @@ pub fn base_card(part: &Part, settings: &Settings) -> Piece {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Labels;
     use super::super::tests::{part, settings};
     use super::*;
     use crate::geom::contains;
@@ -102,7 +103,7 @@ mod tests {
 
     #[test]
     fn where_nothing_can_be_marked_small_holes_show_the_lines() {
-        let plain = Settings { label_mm: None, ..settings(5000.0) };
+        let plain = Settings { labels: Labels::Nothing, ..settings(5000.0) };
         let card = base_card(&part(40.0), &plain);
         assert_eq!(card.drawing.paths.iter().filter(|p| p.role == Role::Hole).count(), 4);
         assert!(card.drawing.paths.iter().all(|p| matches!(p.role, Role::Hole | Role::Outline)));

@@ -109,7 +109,7 @@ pub fn connector(
 /// The flat piece, a band with a slit near each end and the joints' numbers behind them; and from where to where it runs, mm.
 fn drawn(name: &str, passages: &[Passage; 2], settings: &Settings) -> (Drawing, Range<f64>) {
     let joint = &settings.joint;
-    let lettered = settings.label_mm.unwrap_or(0.0);
+    let lettered = settings.labels.drawn_mm().unwrap_or(0.0);
     let text = |s: &str| text_width(s, lettered);
     let cuts = passages.each_ref().map(|p| p.bounds(joint));
     let [from, to] = passages.each_ref().map(|p| p.joint.as_str());
@@ -126,7 +126,7 @@ fn drawn(name: &str, passages: &[Passage; 2], settings: &Settings) -> (Drawing, 
         joint: None,
     }];
     paths.extend(passages.iter().flat_map(|p| p.paths(joint)));
-    if let Some(height) = settings.label_mm {
+    if let Some(height) = settings.labels.drawn_mm() {
         let mut letter = |s: &str, joint: Option<&str>, corner: V2| {
             paths.extend(text_paths(s, height).iter().map(|path| DrawnPath {
                 path: path.moved(&Motion::new(corner, 0.0)),

@@ -2,7 +2,7 @@
 
 use super::edge::Edges;
 use super::fold::Meeting;
-use super::joint::Joint;
+use super::joint::{Fastening, Joint};
 use super::passage::{Half, Passage, Seat};
 use super::seats;
 use crate::fit::Part;
@@ -31,9 +31,14 @@ pub(super) fn passages(part: &Part, edges: &Edges, joint: &Joint) -> (Vec<Passag
             let station_mm = stations[connection.passes[pass]];
             Passage { joint: name.clone(), station_mm, half, face, depth, sheets, seats }
         };
-        site.placed.push(passage(flap_pass, Half::Flap, face, 0));
+        let (from, into) = match joint.fastening {
+            Fastening::Flap => (Half::Flap, Half::Slit),
+            Fastening::Holes { diameter_mm } => (Half::Holes { diameter_mm }, Half::Holes { diameter_mm }),
+            Fastening::Mark => (Half::Mark, Half::Mark),
+        };
+        site.placed.push(passage(flap_pass, from, face, 0));
         for (i, pass) in through.into_iter().enumerate() {
-            site.placed.push(passage(pass, Half::Slit, meeting.face_toward(pass, flap_pass), i + 1));
+            site.placed.push(passage(pass, into, meeting.face_toward(pass, flap_pass), i + 1));
         }
     }
     let mut passages = site.placed;
@@ -63,11 +68,11 @@ impl Way {
 
     /// How far flaps reach behind and ahead of their hinge, mm.
     fn reach(self, joint: &Joint, sheets: usize) -> (f64, f64) {
-        let (hook, tip) = (joint.hook_radius_mm, joint.reach_mm(sheets));
+        let (behind, ahead) = joint.reach_both_ways_mm(sheets);
         match self {
-            Way::Ahead => (hook, tip),
-            Way::Back => (tip, hook),
-            Way::Both => (tip, tip),
+            Way::Ahead => (behind, ahead),
+            Way::Back => (ahead, behind),
+            Way::Both => (ahead, ahead),
         }
     }
 }
@@ -82,7 +87,7 @@ struct Bed {
 
 impl Bed {
     fn middles(&self, joint: &Joint) -> Vec<f64> {
-        seats::middles(self.lo, self.hi.max(self.lo), joint, self.way == Way::Both)
+        seats::middles(self.lo, self.hi, joint, self.way == Way::Both)
     }
 }
 
@@ -111,7 +116,7 @@ impl Site<'_> {
         let tenths = |mm: f64| (mm * 10.0).round() as i64;
         let rank = |bed: &Bed| {
             let width = bed.hi - bed.lo;
-            let enough = width >= self.joint.min_width_mm - tolerance::LIMIT_SLACK_MM;
+            let enough = width >= self.joint.least_bed_mm() - tolerance::LIMIT_SLACK_MM;
             let room = self.room_mm(connection, self.stations[at], bed.way.reach(self.joint, sheets));
             (enough, tenths(room), bed.middles(self.joint).len(), tenths(width))
         };
@@ -147,13 +152,13 @@ impl Site<'_> {
 /// Joints with less strip than they need, worst first, told once.
 fn narrow(beds: &[(f64, String)], joint: &Joint) -> Option<Warning> {
     let mut short: Vec<&(f64, String)> =
-        beds.iter().filter(|(width, _)| *width < joint.min_width_mm - tolerance::LIMIT_SLACK_MM).collect();
+        beds.iter().filter(|(width, _)| *width < joint.least_bed_mm() - tolerance::LIMIT_SLACK_MM).collect();
     short.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (width, name) = short.first()?;
     let names: Vec<&str> = short.iter().map(|(_, name)| name.as_str()).collect();
     let message = format!(
-        "too little strip for the flap: {width:.1} mm at joint {name}, {:.0} mm are needed or it may tear out. Make the shape larger or deeper",
-        joint.min_width_mm
+        "too little strip for the flap: {width:.1} mm at joint {name}, {:.1} mm are needed or it may tear out. Make the shape larger or deeper",
+        joint.least_bed_mm()
     );
     Some(Warning::new("joint-narrow", message).at(format!("joint {}", names.join(", "))))
 }
@@ -162,7 +167,7 @@ fn narrow(beds: &[(f64, String)], joint: &Joint) -> Option<Warning> {
 fn weak(beds: &[(f64, String)], joint: &Joint) -> Option<Warning> {
     let strong = seats::strong_width_mm(joint);
     let (width, name) = beds.iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(width, _)| {
-        (joint.min_width_mm - tolerance::LIMIT_SLACK_MM..strong - tolerance::LIMIT_SLACK_MM).contains(width)
+        (joint.least_bed_mm() - tolerance::LIMIT_SLACK_MM..strong - tolerance::LIMIT_SLACK_MM).contains(width)
     })?;
     let message = format!(
         "at joint {name} the cuts take {:.0} % of a strip {width:.0} mm wide; where it must carry load, make the shape deeper until {strong:.0} mm are left (at most {:.0} %)",

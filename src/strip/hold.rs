@@ -1,6 +1,8 @@
 //! How firmly a joint holds once it is cut: nominal sizes, and what kerf and thickness make of them.
 
-use super::joint::Joint;
+use super::Error;
+use super::joint::{Fastening, Joint};
+use crate::geom::tolerance;
 
 /// A kerf is known to within this, mm: lenses foul, beds tilt (materials practice).
 const KERF_TOLERANCE_MM: f64 = 0.05;
@@ -33,6 +35,22 @@ impl Joint {
             slack_mm: self.neck_length_mm - sheets_mm * (1.0 + THICKNESS_TOLERANCE),
             most_slack_mm: self.neck_length_mm - sheets_mm * (1.0 - THICKNESS_TOLERANCE),
         }
+    }
+
+    /// Refuses a flap that would slip out of its slit, or not close, once cut with `kerf_mm`. Other fastenings bring their own hold.
+    pub(super) fn check(&self, kerf_mm: f64) -> Result<(), Error> {
+        if self.fastening != Fastening::Flap {
+            return Ok(());
+        }
+        let hold = self.hold(kerf_mm);
+        if hold.retention_mm < self.min_retention_mm - tolerance::LIMIT_SLACK_MM {
+            let least_mm = self.min_retention_mm;
+            return Err(Error::FallsOpen { retention_mm: hold.retention_mm, least_mm, kerf_mm });
+        }
+        if hold.slack_mm < 0.0 {
+            return Err(Error::NeckShort { short_mm: -hold.slack_mm, thickness_mm: self.thickness_mm });
+        }
+        Ok(())
     }
 }
 

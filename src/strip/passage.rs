@@ -2,17 +2,25 @@
 
 use super::fold::Face;
 use super::joint::Joint;
-use crate::drawing::{DrawnPath, Role};
+use super::shape::hole;
+use crate::drawing::DrawnPath;
 use crate::geom::{Motion, Rect, V2};
 use std::f64::consts::PI;
 
-/// Which half of a joint a passage carries.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+/// What of a joint a passage carries.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Half {
     /// The flaps.
     Flap,
     /// The slits they go through.
     Slit,
+    /// Holes, the same on every pass.
+    Holes {
+        /// Diameter, mm.
+        diameter_mm: f64,
+    },
+    /// Marked places, the same on every pass.
+    Mark,
 }
 
 /// One flap, or one slit, of a passage.
@@ -47,7 +55,7 @@ impl Passage {
     /// Station of a seat's hinge line or slit, mm.
     pub fn cut_station_mm(&self, seat: &Seat, joint: &Joint) -> f64 {
         match self.half {
-            Half::Flap => self.station_mm,
+            Half::Flap | Half::Holes { .. } | Half::Mark => self.station_mm,
             Half::Slit => self.station_mm + seat.direction * joint.lead_mm(self.depth),
         }
     }
@@ -57,6 +65,8 @@ impl Passage {
         let cuts = match self.half {
             Half::Flap => joint.flap_cuts(self.sheets),
             Half::Slit => joint.slit_cuts(),
+            Half::Holes { diameter_mm } => vec![hole(diameter_mm)],
+            Half::Mark => joint.cross().to_vec(),
         };
         let place = |seat: &Seat| {
             let turn = if self.half == Half::Flap && seat.direction < 0.0 { PI } else { 0.0 };
@@ -74,6 +84,6 @@ impl Passage {
 
     /// The box around all cuts of this passage, strip frame.
     pub fn bounds(&self, joint: &Joint) -> Rect {
-        self.paths(joint).iter().filter(|p| p.role != Role::Mark).fold(Rect::EMPTY, |r, p| r.union(p.path.bounds()))
+        self.paths(joint).iter().fold(Rect::EMPTY, |r, p| r.union(p.path.bounds()))
     }
 }

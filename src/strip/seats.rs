@@ -24,9 +24,12 @@ fn wanted(width_mm: f64) -> usize {
 /// into the same station.
 ///
 /// Flaps lie in the middles of equal lanes, those deeper than a hand reaches are moved out to where it does. There are fewer where they would come too close to
-/// the edges or to each other, or take too much out of the strip.
+/// the edges or to each other, or take too much out of the strip. In a bed that is upside down the one flap lies in the middle of it.
 pub(super) fn middles(lo: f64, hi: f64, joint: &Joint, alternating: bool) -> Vec<f64> {
     let width = hi - lo;
+    if width <= 0.0 {
+        return vec![0.5 * (lo + hi)];
+    }
     let flap = joint.cut_out_mm();
     let abreast = ((CUT_OUT_SHARE * width / flap) as usize).max(1);
     let most = if alternating { 2 * abreast } else { abreast };
