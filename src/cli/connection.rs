@@ -28,6 +28,17 @@ pub(super) struct Where {
     pub(super) port: String,
 }
 
+/// Refuses a machine that nothing can be sent to.
+pub(super) fn require_board(machine: &Machine) -> Result<(), Failure> {
+    if machine.controller.is_none() {
+        return Err(Failure::config(format!(
+            "machine {} has no controller: nothing can be sent to it; name the one the program was made for",
+            machine.name
+        )));
+    }
+    Ok(())
+}
+
 /// Opens the port a board hangs on.
 pub(super) fn open_at(port: &str, baud: u32) -> Result<Link, Failure> {
     let port = Address::parse(port).open(baud).map_err(machine_failure)?;

@@ -18,8 +18,11 @@ use super::{machine_check, profile_check, read, schema};
 /// Names the folder that stands in for the platform's config folder.
 pub const FOLDER_VARIABLE: &str = "FURBELOW_CONFIG_DIR";
 
-const MACHINES: [(&str, &str); 2] =
-    [("diode-400", include_str!("../../machines/diode-400.toml")), ("k40", include_str!("../../machines/k40.toml"))];
+const MACHINES: [(&str, &str); 3] = [
+    ("diode-400", include_str!("../../machines/diode-400.toml")),
+    ("k40", include_str!("../../machines/k40.toml")),
+    ("print", include_str!("../../machines/print.toml")),
+];
 
 const PROFILES: [(&str, &str); 4] = [
     ("felt-stiff-1", include_str!("../../profiles/felt-stiff-1.toml")),

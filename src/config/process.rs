@@ -7,7 +7,7 @@
 use crate::progress::Warning;
 
 use super::error::Error;
-use super::machine::Machine;
+use super::machine::{Machine, ToolClass};
 use super::profile::{Air, Blade, Bridges, ProcessKind, ProcessRow, Profile, Verdict};
 
 /// How far the machine's power may lie from the row's, as a factor either way.
@@ -53,6 +53,10 @@ impl Machine {
     /// Errors: [`Error::Forbidden`] when the profile says never, [`Error::NoProcess`] when it has no row for the tool,
     /// [`Error::NeedsCalibration`] and [`Error::TooStrong`] when its values cannot be carried over.
     pub fn pair(&self, profile: &Profile) -> Result<Pairing, Error> {
+        if self.tool.class == ToolClass::Scissors {
+            let cut = by_hand();
+            return Ok(Pairing { engrave: Some(cut.clone()), cut, warnings: Vec::new() });
+        }
         let mut warnings = Vec::new();
         match profile.allowed.for_tool(self.tool.class) {
             (Some(Verdict::Never), reason) => {
@@ -88,6 +92,24 @@ impl Machine {
             ));
         }
         Ok(Pairing { cut, engrave, warnings })
+    }
+}
+
+/// How fast a person cuts along a line with knife and scissors, mm/min: from practice.
+const HAND_MM_PER_MIN: f64 = 400.0;
+
+/// A printer draws labels and lines; a person cuts on the line.
+fn by_hand() -> Process {
+    Process {
+        kerf_mm: 0.0,
+        feed_mm_per_min: HAND_MM_PER_MIN,
+        power: 0.0,
+        air: Air::Off,
+        passes: 1,
+        bridges: None,
+        blade: None,
+        calibrated: true,
+        source: "by hand".to_owned(),
     }
 }
 

@@ -216,8 +216,9 @@ fn allowed(profile: &Profile, checker: &mut Checker<'_>) {
             checker.problem(&path, format!("say why in `{}_reason`", class.word()));
         }
         let cuts = profile.process.iter().any(|r| r.tool == class && r.operation == ProcessKind::Cut);
-        // A pen cuts nothing, so it has no row to show.
-        if matches!(verdict, Some(Verdict::Yes | Verdict::Test)) && class != ToolClass::Pen && !cuts {
+        // A pen cuts nothing and a person needs no numbers, so these have no row to show.
+        let needs_row = !matches!(class, ToolClass::Pen | ToolClass::Scissors);
+        if matches!(verdict, Some(Verdict::Yes | Verdict::Test)) && needs_row && !cuts {
             checker.problem(&path, format!("allowed, but no [[process]] says how a {} cuts it", class.title()));
         }
         if verdict == Some(Verdict::Never) && cuts {

@@ -8,6 +8,7 @@
 //! their folder and renamed at the end, so a failure leaves what was there before.
 
 mod artifacts;
+mod assembly;
 mod bodies;
 mod border;
 mod change;
@@ -46,6 +47,7 @@ pub use settings::{check_settings, expected, limits};
 pub use sheets::minutes;
 pub use survey::{PartSurvey, SectionSurvey, Survey, survey};
 
+pub use crate::assembly::Paper;
 use crate::config::Library;
 use crate::progress::{Observer, Progress, Warning};
 use std::ops::ControlFlow;

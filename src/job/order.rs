@@ -2,6 +2,7 @@
 
 use super::Error;
 use super::output::{absolute, relative};
+use crate::assembly::Paper;
 use crate::config::Making;
 use crate::design::{self, Design, Edit, Foot, MeshSource, OutlineSource, PartDesign, SCHEMA, StripAlong, Up};
 use crate::mesh;
@@ -24,6 +25,8 @@ pub struct Order {
     pub force: bool,
     /// Also write drawings with the kerf in them, for programs that know none.
     pub svg_kerf: bool,
+    /// What assembly sheets are printed on.
+    pub paper: Paper,
 }
 
 /// A design file.
@@ -76,8 +79,9 @@ impl Order {
             connectors: Vec::new(),
             edits: Vec::new(),
         };
-        let name = stem(&mesh);
-        Ok(Order { design: overridden(design, overrides)?, source: None, folder, name, force: false, svg_kerf: false })
+        let (name, paper) = (stem(&mesh), Paper::default());
+        let design = overridden(design, overrides)?;
+        Ok(Order { design, source: None, folder, name, force: false, svg_kerf: false, paper })
     }
 
     /// A design file.
@@ -101,7 +105,8 @@ impl Order {
             None => design.parts.iter().map(|p| p.name.as_str()).collect::<Vec<&str>>().join("-"),
         };
         let source = Some(Source { file: file.to_owned(), text });
-        Ok(Order { design: overridden(design, overrides)?, source, folder, name, force: false, svg_kerf: false })
+        let (design, paper) = (overridden(design, overrides)?, Paper::default());
+        Ok(Order { design, source, folder, name, force: false, svg_kerf: false, paper })
     }
 
     /// A design that comes with the program ([`design::built_in`]); any other name is a file that is not there.

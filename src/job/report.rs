@@ -87,7 +87,7 @@ pub struct PieceReport {
 /// One sheet.
 #[derive(Debug, Clone, Serialize)]
 pub struct SheetReport {
-    /// The program, relative to the output folder.
+    /// The program, or the drawing where it is cut by hand; relative to the output folder.
     pub file: String,
     /// What it is cut from.
     pub stock: String,
@@ -213,7 +213,7 @@ pub(super) fn report(
         piece: c.piece.name.clone(),
     });
     let cut_sheets = sheets.sheets.iter().map(|sheet| SheetReport {
-        file: format!("sheets/{}.nc", sheet.file),
+        file: format!("sheets/{}.{}", sheet.file, if setup.by_hand() { "svg" } else { "nc" }),
         stock: sheet.stock.clone(),
         width_mm: rounded(sheet.layout.width_mm),
         length_mm: rounded(sheet.layout.height_mm),

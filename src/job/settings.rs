@@ -17,6 +17,9 @@ const THIN_MM: f64 = 0.5;
 const PEN_LABEL_MM: f64 = 5.0;
 const PERFORATED_LABEL_MM: f64 = 6.0;
 
+/// Pieces keep this far from the edge of stock that goes through a printer, mm: what [`crate::assembly::patterns`] needs to put a full A4 sheet on one page.
+const PRINT_MARGIN_MM: f64 = 13.0;
+
 /// Machine, material and how they go together.
 #[derive(Debug, Clone)]
 pub struct Setup {
@@ -46,7 +49,8 @@ impl Setup {
         if machine.work_area.is_none() {
             return unusable("has no work_area: sheets need a flat bed");
         }
-        if !machine.tool.class.is_laser() {
+        let by_hand = machine.tool.class == ToolClass::Scissors;
+        if !machine.tool.class.is_laser() && !by_hand {
             return unusable(
                 "has no laser: take the drawings in strips/ and sheets/ of a laser job to your cutter's own program",
             );
@@ -57,7 +61,7 @@ impl Setup {
             );
         }
         let mut warnings = pairing.warnings.clone();
-        if profile.thickness_mm < THIN_MM {
+        if profile.thickness_mm < THIN_MM && !by_hand {
             warnings.push(Warning::new(
                 "not-held",
                 "nothing holds a piece once its outline is cut: use a tacky mat or a honeycomb with magnets, and little air",
@@ -132,6 +136,16 @@ impl Setup {
             LabelKind::Notch => strip::Labels::Notches,
             LabelKind::Map => strip::Labels::Nothing,
         }
+    }
+
+    /// True for a job that a person cuts along printed lines: it has drawings and patterns, and no programs.
+    pub fn by_hand(&self) -> bool {
+        self.machine.tool.class == ToolClass::Scissors
+    }
+
+    /// Distance between pieces and the edge of the stock, mm. Printers leave an edge white and a line with the rule stands at the foot.
+    pub fn margin_mm(&self) -> f64 {
+        if self.by_hand() { self.profile.margin_mm.max(PRINT_MARGIN_MM) } else { self.profile.margin_mm }
     }
 
     /// What the head reaches, mm.
@@ -267,10 +281,7 @@ impl Setup {
     pub fn nest(&self) -> nest::Settings {
         // The cut itself needs room, however close the user wants the pieces.
         let kerf = self.pairing.cut.kerf_mm;
-        nest::Settings {
-            spacing_mm: self.profile.spacing_mm.max(kerf),
-            margin_mm: self.profile.margin_mm.max(0.5 * kerf),
-        }
+        nest::Settings { spacing_mm: self.profile.spacing_mm.max(kerf), margin_mm: self.margin_mm().max(0.5 * kerf) }
     }
 
     /// Turns a piece may take on a sheet whose grain runs along x, degrees.

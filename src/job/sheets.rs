@@ -25,7 +25,7 @@ pub(super) struct CutSheet {
     pub drawings: Vec<Drawing>,
     /// What the tool follows.
     pub toolpath: Toolpath,
-    /// What the machine reads.
+    /// What the machine reads; empty for a job that is cut by hand.
     pub program: Program,
     /// What that makes it do.
     pub moves: Vec<Move>,
@@ -94,6 +94,11 @@ fn program(
     };
     let toolpath = toolpath::plan(&made_here, layout.width_mm, layout.height_mm, &settings)
         .map_err(|source| Error::Toolpath { sheet: sheet(), source })?;
+    if setup.by_hand() {
+        let time_s = 60.0 * toolpath.cut_mm() / setup.pairing.cut.feed_mm_per_min;
+        let (program, moves) = (Program::default(), Vec::new());
+        return Ok(CutSheet { stock: stock.to_owned(), file, layout, drawings, toolpath, program, moves, time_s });
+    }
     let write = |header: &Header| {
         gcode::emit(&toolpath, header, &setup.dialect()).map_err(|source| Error::Gcode { sheet: sheet(), source })
     };

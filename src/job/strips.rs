@@ -24,11 +24,11 @@ pub(super) struct Strips {
 }
 
 /// Lays all parts flat. Where the design names stock, the first of it is taken on which every piece fits, or all of it together when no single one will do. Where it
-/// names none, the material's stock is tried, what lies on the machine without hanging over first, and the fewest pieces win: a splice is work and a weak place.
+/// names none, a job cut by hand takes the material's own in the same way, since what fits the printer comes first there; else the material's stock is tried, what lies on the machine without hanging over first, and the fewest pieces win: a splice is work and a weak place.
 pub(super) fn strips(realised: &Realised, setup: &Setup) -> Result<Strips, Error> {
     let sheets = stock::sheets(setup)?;
     let tried = |sheet: &Sheet| flat(realised, setup, vec![sheet.clone()]).map(|s| (fits(&s, sheet, setup), s));
-    if !setup.stock.is_empty() {
+    if !setup.stock.is_empty() || setup.by_hand() {
         let first = sheets.iter().filter(|s| s.count.is_none()).map(tried).find(|t| matches!(t, Ok((true, _))));
         return match first {
             Some(Ok((_, strips))) => Ok(strips),

@@ -1,0 +1,103 @@
+//! The job as the person at the table reads it.
+
+use super::settings::Setup;
+use super::sheets::{Sheets, minutes};
+use super::strips::Strips;
+use super::{Order, Realised};
+use crate::assembly::{Book, Card, CutSheet, Handling, book, patterns};
+use crate::config::{Grain, Process, StockGrain};
+
+/// The assembly sheets.
+pub(super) const FILE: &str = "assembly.pdf";
+
+/// The patterns at true size of a job that is cut by hand.
+pub(super) const PATTERNS: &str = "print.pdf";
+
+/// Time a person needs for one flap of paper, and of anything that does not crease, s: from practice.
+const PAPER_FLAP_S: f64 = 30.0;
+const SOFT_FLAP_S: f64 = 45.0;
+/// Strips are curled round a rod at least this thick beforehand, mm: a pencil.
+const LEAST_ROD_MM: f64 = 10.0;
+
+/// Files of a job that are printed, with their names.
+pub(super) fn files(
+    order: &Order,
+    setup: &Setup,
+    realised: &Realised,
+    strips: &Strips,
+    sheets: &Sheets,
+) -> Vec<(&'static str, Vec<u8>)> {
+    let times: Vec<String> = sheets.sheets.iter().map(|sheet| minutes(sheet.time_s)).collect();
+    let cut_sheets: Vec<CutSheet> = sheets
+        .sheets
+        .iter()
+        .zip(&times)
+        .map(|(sheet, time)| CutSheet {
+            file: &sheet.file,
+            stock: &sheet.stock,
+            layout: &sheet.layout,
+            drawings: &sheet.drawings,
+            time,
+        })
+        .collect();
+    let known = sheets.sheets.iter().all(|s| strips.stock[s.layout.container].grain != StockGrain::Unknown);
+    let directional = setup.profile.grain == Grain::Directional;
+    let (name, hash, card) = (order.name(), order.hash(), card(setup, sheets));
+    let job = Book {
+        name: &name,
+        hash: &hash,
+        paper: order.paper,
+        mesh: realised.mesh.as_ref(),
+        parts: &realised.parts,
+        pieces: &strips.pieces,
+        sheets: &cut_sheets,
+        card: &card,
+        handling: Handling {
+            flap_s: if directional { PAPER_FLAP_S } else { SOFT_FLAP_S },
+            rod_mm: (2.0 * setup.profile.min_bend_radius_mm).max(LEAST_ROD_MM),
+            grain_known: directional.then_some(known),
+            lettered: setup.pairing.engrave.is_some(),
+        },
+    };
+    let mut files = vec![(FILE, book(&job))];
+    if setup.by_hand() {
+        files.push((PATTERNS, patterns(&job)));
+    }
+    files
+}
+
+/// What the person at the machine reads.
+fn card(setup: &Setup, sheets: &Sheets) -> Card {
+    let (machine, profile, pairing) = (&setup.machine, &setup.profile, &setup.pairing);
+    let mut facts = vec![("Machine", machine.title.clone()), ("Material", profile.title.clone())];
+    if !setup.by_hand() {
+        facts.push(("Cut", process(&pairing.cut)));
+        facts.push(("Kerf", format!("{} mm, already in the programs", pairing.cut.kerf_mm)));
+        let marks = pairing.engrave.as_ref().map_or("nothing is engraved".to_owned(), process);
+        facts.push(("Engrave", marks));
+        let total_s: f64 = sheets.sheets.iter().map(|sheet| sheet.time_s).sum();
+        facts.push(("Time", format!("{} in all", minutes(total_s))));
+    }
+    Card {
+        facts: facts.into_iter().map(|(what, value)| (what.to_owned(), value)).collect(),
+        setup: machine.setup.iter().chain(&profile.setup).cloned().collect(),
+        uncalibrated: (!pairing.cut.calibrated).then(|| {
+            format!(
+                "values {}. Cut a small test piece with one joint first, and see that it holds.",
+                pairing.cut.source
+            )
+        }),
+        by_hand: setup.by_hand(),
+    }
+}
+
+fn process(process: &Process) -> String {
+    let passes = if process.passes == 1 { "1 pass".to_owned() } else { format!("{} passes", process.passes) };
+    format!(
+        "{:.0} mm/min ({:.0} mm/s), power {:.0} %, {passes}, air {}",
+        process.feed_mm_per_min,
+        process.feed_mm_per_min / 60.0,
+        100.0 * process.power,
+        process.air.word()
+    )
+}
