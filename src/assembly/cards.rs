@@ -28,12 +28,16 @@ pub(super) fn cutting_card(flow: &mut Flow, job: &Book) {
     if !job.card.setup.is_empty() {
         flow.heading("Before you start", 12.0, title);
         for item in &job.card.setup {
-            flow.check(item, title);
+            flow.check(&sentence(item), title);
         }
     }
     let column = (flow.width_mm() - GAP_MM) / ACROSS as f64;
     let height = |sheet: &CutSheet| (sheet.layout.height_mm * column / sheet.layout.width_mm).min(TALLEST_MM);
-    flow.heading("Sheets", 30.0, title);
+    let first = job.sheets.first().map_or(0.0, height);
+    flow.heading("Sheets", first + 22.0, title);
+    if !job.card.by_hand {
+        flow.paragraph(BODY, "As they lie on the machine, the corner X0 Y0 at the lower left.", title);
+    }
     for row in job.sheets.chunks(ACROSS) {
         let tallest = row.iter().map(height).fold(0.0, f64::max);
         let space = flow.take(tallest + 13.0, title);
@@ -52,12 +56,12 @@ pub(super) fn cutting_card(flow: &mut Flow, job: &Book) {
             thumbnail(flow.paper(), &picture, sheet, job.handling.grain_known);
         }
     }
-    flow.skip(2.0);
-    flow.paragraph(
-        BODY,
-        "Pictures show the sheet as it lies on the machine, the corner X0 Y0 at the lower left.",
-        title,
-    );
+}
+
+/// The text with a capital.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// A nested sheet: pieces with their names, and the way the grain has to run.

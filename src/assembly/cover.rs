@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 /// Edges at which the surface turns by more than this are drawn, rad: 40 degrees.
 const CREASE_RAD: f64 = 40.0 * std::f64::consts::PI / 180.0;
-const SHAPE: Pen = Pen::gray(0.18, 0.6);
+const SHAPE: Pen = Pen::gray(0.22, 0.45);
 const RIM: Pen = Pen::black(0.28);
 /// Side of the square code, mm: a phone reads it from a hand's breadth.
 const CODE_MM: f64 = 32.0;

@@ -197,7 +197,7 @@ pub(super) fn check_box(page: &mut Page, at: P2) {
 }
 
 /// The text, or as much of its beginning as is no wider than `width_mm`, with dots.
-fn shortened(text: &str, lettering: Lettering, width_mm: f64) -> String {
+pub(super) fn shortened(text: &str, lettering: Lettering, width_mm: f64) -> String {
     if lettering.width_mm(text) <= width_mm {
         return text.to_owned();
     }

@@ -1,6 +1,6 @@
 //! Patterns at true size: every sheet on as many pages as it takes, neighbouring pages overlapping, each with a rule to check the printer by.
 
-use super::flow::MARGIN_MM;
+use super::flow::{MARGIN_MM, shortened};
 use super::letters::Face;
 use super::page::{At, Lettering, Page, Pen, Place};
 use super::{Book, CutSheet, footer, pdf};
@@ -91,19 +91,19 @@ fn tile(page: &mut Page, job: &Book, sheet: &CutSheet, drawn: &Rect, tiling: &Ti
         seams(page, &window, tiling, column, row);
     }
     rule(page, P2::new(MARGIN_MM, EDGE_MM + 2.0));
+    let right = page.area.max.x - MARGIN_MM;
+    let left = MARGIN_MM + RULE_MM + 4.0;
     let of = match tiling.columns * tiling.rows {
         1 => String::new(),
-        all => format!(
-            ", page {} of {all} (column {}, row {} from below)",
-            row * tiling.columns + column + 1,
-            column + 1,
-            row + 1
-        ),
+        all => {
+            let number = row * tiling.columns + column + 1;
+            format!(", page {number} of {all}: column {}, row {} from below", column + 1, row + 1)
+        }
     };
-    let text = format!("{} {}{of}. Print at 100 %.", job.name, sheet.file);
-    page.text(P2::new(page.area.max.x - MARGIN_MM, EDGE_MM + 5.0), At::Right, CAPTION, &text);
-    let legend = "Heavy: scissors. Thin: knife. Grey: only marks.";
-    page.text(P2::new(page.area.max.x - MARGIN_MM, EDGE_MM + 1.0), At::Right, CAPTION, legend);
+    let name = shortened(job.name, CAPTION, right - left - CAPTION.width_mm(&format!(" {}{of}", sheet.file)));
+    page.text(P2::new(right, EDGE_MM + 5.6), At::Right, CAPTION, &format!("{name} {}{of}", sheet.file));
+    let legend = "Print at 100 %. Heavy: scissors. Thin: knife. Grey: marks.";
+    page.text(P2::new(right, EDGE_MM + 1.6), At::Right, CAPTION, legend);
 }
 
 /// Lines where the neighbouring pages begin, with crosses that lie on theirs.
