@@ -1,7 +1,7 @@
 //! The first page: what it will be.
 
 use super::flow::{BODY, Flow, MARGIN_MM};
-use super::joints::{Joint, Splice};
+use super::joints::Joint;
 use super::page::{Page, Pen, Place};
 use super::{Book, SPLICE_S, code, count};
 use crate::fit::Part;
@@ -17,7 +17,7 @@ const RIM: Pen = Pen::black(0.28);
 const CODE_MM: f64 = 32.0;
 
 /// Writes the cover.
-pub(super) fn cover(flow: &mut Flow, job: &Book, joints: &[Joint], splices: &[Splice]) {
+pub(super) fn cover(flow: &mut Flow, job: &Book, joints: &[Joint]) {
     flow.page(job.name);
     let picture = flow.take(0.5 * flow.free_mm(), job.name);
     draw(flow.paper(), &picture, job);
@@ -39,7 +39,7 @@ pub(super) fn cover(flow: &mut Flow, job: &Book, joints: &[Joint], splices: &[Sp
     };
     let mass: f64 = job.pieces.iter().map(|piece| piece.mass_g).sum();
     let flaps: usize = joints.iter().map(|joint| joint.flaps).sum();
-    let minutes = assembly_minutes(job, flaps, splices.len());
+    let minutes = assembly_minutes(job, flaps, job.splices.len());
     let cut = format!("{} on {}", count(job.pieces.len(), "piece"), count(job.sheets.len(), "sheet"));
     let build =
         format!("{} with {}, about {minutes} minutes by hand", count(joints.len(), "joint"), count(flaps, "flap"));

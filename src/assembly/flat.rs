@@ -1,15 +1,15 @@
 //! The flat pieces of a ruffle with the numbers of their joints, to lay beside the cut ones.
 
 use super::Book;
-use super::flow::{BODY, Flow};
+use super::flow::{BODY, Flow, MARGIN_MM};
 use super::folded::CAPITALS;
-use super::joints::{root, strip_pieces};
+use super::joints::strip_pieces;
 use super::letters::Face;
 use super::page::{At, Lettering, Page, Pen, Place};
 use crate::drawing::Role;
 use crate::fit::Part;
-use crate::geom::{P2, Rect, V2, tolerance};
-use crate::strip::Piece;
+use crate::geom::{P2, Rect, V2};
+use crate::strip::{Face as Side, Half, Passage, Piece};
 
 /// Pieces are drawn no smaller than this; longer ones go on in the next row.
 const LEAST_SCALE: f64 = 0.42;
@@ -19,12 +19,27 @@ const NAME: Lettering = Lettering::new(4.4, Face::Bold);
 const NUMBER: Lettering = Lettering::new(3.9, Face::Bold);
 /// From lane to lane of joint numbers above a piece, mm.
 const LANE_MM: f64 = 4.4;
-const LANES: usize = 3;
 const CONTOUR: Pen = Pen::black(0.35);
 const SLIT: Pen = Pen::black(0.8);
 const THIN: Pen = Pen::gray(0.2, 0.3);
 const LEADER: Pen = Pen::gray(0.2, 0.4);
 const FLAP_GRAY: f64 = 0.35;
+
+/// Side of the triangle that tells which way a flap is folded, mm.
+const TRIANGLE_MM: f64 = 2.6;
+/// Air between two numbers in a lane, mm.
+const CLEAR_MM: f64 = 1.4;
+/// Cuts lie this close to where their passage says, along the strip, mm.
+const NEAR_MM: f64 = 3.0;
+
+/// A joint number over a piece.
+struct Number<'a> {
+    passage: &'a Passage,
+    /// Left end on the page, mm.
+    left: f64,
+    /// The lane it stands in, from below.
+    lane: usize,
+}
 
 /// Draws the pieces of a part below one another.
 pub(super) fn pages(flow: &mut Flow, job: &Book, part: &Part) {
@@ -36,10 +51,11 @@ pub(super) fn pages(flow: &mut Flow, job: &Book, part: &Part) {
     flow.page(&title);
     let face = if job.handling.lettered { "the lettered side" } else { "the side shown here" };
     let note = format!(
-        "Drawn at {:.0} % with {face} toward you. Dark shapes are flaps, thick bars are slits; each goes with its own number. Start of the strip on the left.",
+        "Drawn at {:.0} % with {face} toward you, the start of the strip on the left. Dark shapes are flaps, thick bars are slits; each goes with its own number. Fold a flap with a solid triangle toward you, with a hollow one away from you.",
         100.0 * scale
     );
     flow.paragraph(BODY, &note, &title);
+    flow.skip(2.0);
     for piece in pieces {
         rows(flow, piece, scale, &title);
     }
@@ -53,22 +69,25 @@ fn rows(flow: &mut Flow, piece: &Piece, scale: f64, title: &str) {
     for row in 0..count {
         let from = bounds.min.x + row as f64 * row_mm;
         let stretch = Rect { min: P2::new(from, bounds.min.y), max: P2::new(from + row_mm, bounds.max.y) };
-        let drawn_mm = bounds.height() * scale;
-        let space = flow.take(drawn_mm + LANES as f64 * LANE_MM + 9.0, title);
         let name = match (count, row) {
             (1, _) => format!("Piece {}", piece.name),
             (_, 0) => format!("Piece {}, goes on below", piece.name),
             _ => format!("Piece {}, row {} of {count}", piece.name, row + 1),
         };
-        flow.text(P2::new(space.min.x, space.max.y - NAME.size_mm), At::Left, NAME, &name);
-        let window = Rect {
-            min: space.min + V2::new(0.0, 2.0),
-            max: P2::new(space.min.x + row_mm * scale, space.min.y + 2.0 + drawn_mm),
-        };
-        let place = Place::new(scale, window.min - stretch.min * scale);
+        // Lanes first: they decide how high the row is.
+        let drawn_mm = bounds.height() * scale;
+        let numbers = numbers(piece, &stretch, scale, MARGIN_MM + flow.width_mm());
+        let lanes = numbers.iter().map(|n| n.lane + 1).max().unwrap_or(0);
+        let space = flow.take(drawn_mm + lanes as f64 * LANE_MM + NAME.size_mm + 9.0, title);
+        let min = space.min + V2::new(0.0, 5.0);
+        let window = Rect { min, max: min + V2::new(row_mm * scale, drawn_mm) };
+        let place = Place::new(scale, min - stretch.min * scale);
+        let above = P2::new(MARGIN_MM, window.max.y + lanes as f64 * LANE_MM + 2.0);
+        flow.text(above, At::Left, NAME, &name);
         flow.paper().within(&window.grown(0.3), |page| draw(page, piece, &place));
-        let left = space.min.x + NAME.width_mm(&name) + 3.0;
-        numbers(flow.paper(), piece, &stretch, &place, &window, left, space.max.x);
+        for number in &numbers {
+            write(flow.paper(), piece, number, &place, window.max.y);
+        }
     }
 }
 
@@ -82,49 +101,55 @@ fn draw(page: &mut Page, piece: &Piece, place: &Place) {
                 page.region([points.as_slice()], FLAP_GRAY, Some(Pen::black(0.2)));
             }
             Role::Slit => page.curve(&path.path, place, SLIT),
-            Role::Hole => page.curve(&path.path, place, Pen::black(0.25)),
+            Role::Hole => page.curve(&path.path, place, Pen::black(0.2)),
             Role::Mark => page.curve(&path.path, place, THIN.dashed(1.5, 1.0)),
             Role::Label => page.curve(&path.path, place, THIN),
         }
     }
 }
 
-/// Joint numbers in lanes above the piece, each with a line to its cut: the lowest lane with room is taken, so that none lies on another. The top lane leaves out
-/// what is left of `name_end`, where the piece's name stands.
-fn numbers(page: &mut Page, piece: &Piece, stretch: &Rect, place: &Place, window: &Rect, name_end: f64, right: f64) {
-    let mut marks: Vec<(f64, &str)> = Vec::new();
-    for path in piece.drawing.paths.iter().filter(|p| matches!(p.role, Role::Flap | Role::Slit)) {
-        let at = if path.role == Role::Flap { root(path).map(|p| p.x) } else { Some(path.path.bounds().center().x) };
-        let (Some(s), Some(name)) = (at, path.joint.as_deref()) else { continue };
-        let known = marks.iter().any(|(other, n)| *n == name && (s - other).abs() < tolerance::LIMIT_SLACK_MM);
-        if (stretch.min.x..=stretch.max.x).contains(&s) && !known {
-            marks.push((s, name));
+/// Joint numbers over a stretch of a piece, each in the lowest lane in which it lies on no other.
+fn numbers<'a>(piece: &'a Piece, stretch: &Rect, scale: f64, right: f64) -> Vec<Number<'a>> {
+    let mut ends: Vec<f64> = Vec::new();
+    let within = |passage: &&Passage| (stretch.min.x..=stretch.max.x).contains(&passage.station_mm);
+    let number = |passage: &'a Passage| {
+        let middle = MARGIN_MM + (passage.station_mm - stretch.min.x) * scale;
+        let triangle = if passage.half == Half::Flap { TRIANGLE_MM + 1.0 } else { 0.0 };
+        let width = NUMBER.width_mm(&passage.joint) + triangle;
+        let left = (middle - 0.5 * width).clamp(MARGIN_MM, right - width);
+        let lane = ends.iter().position(|end| *end <= left).unwrap_or(ends.len());
+        let end = left + width + CLEAR_MM;
+        match ends.get_mut(lane) {
+            Some(last) => *last = end,
+            None => ends.push(end),
         }
-    }
-    marks.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut taken = [f64::NEG_INFINITY; LANES];
-    taken[LANES - 1] = name_end;
-    for (s, name) in marks {
-        let x = place.point(P2::new(s, 0.0)).x;
-        let width = NUMBER.width_mm(name);
-        let start = (x - 0.5 * width).clamp(window.min.x, right - width);
-        let free = (0..LANES).find(|lane| taken[*lane] <= start).unwrap_or(LANES - 1);
-        taken[free] = start + width + 1.2;
-        let baseline = window.max.y + 1.0 + free as f64 * LANE_MM;
-        let foot = edge_above(piece, s, place).unwrap_or(window.max.y);
-        page.line(&[P2::new(x, foot), P2::new(x, baseline - 0.4)], LEADER);
-        let height = CAPITALS * NUMBER.size_mm;
-        page.block(
-            &Rect { min: P2::new(start - 0.3, baseline - 0.3), max: P2::new(start + width + 0.3, baseline + height) },
-            1.0,
-        );
-        page.text(P2::new(start, baseline), At::Left, NUMBER, name);
-    }
+        Number { passage, left, lane }
+    };
+    piece.passages.iter().filter(within).map(number).collect()
 }
 
-/// The upper end of the cuts at station `s`, on the page: leaders run down to them.
-fn edge_above(piece: &Piece, s: f64, place: &Place) -> Option<f64> {
-    let cuts = piece.drawing.paths.iter().filter(|p| matches!(p.role, Role::Flap | Role::Slit));
-    let at = cuts.map(|p| p.path.bounds()).filter(|b| b.min.x - 1.0 <= s && s <= b.max.x + 1.0);
-    at.map(|b| place.point(b.max).y).reduce(f64::max)
+/// Writes a number over the piece, with a line down to its cut.
+fn write(page: &mut Page, piece: &Piece, number: &Number, place: &Place, top: f64) {
+    let Number { passage, left, lane } = number;
+    let baseline = top + 1.2 + *lane as f64 * LANE_MM;
+    let x = place.point(P2::new(passage.station_mm, 0.0)).x;
+    let cuts = piece.drawing.paths.iter().filter(|p| p.joint.as_ref() == Some(&passage.joint));
+    let near = cuts
+        .filter(|p| matches!(p.role, Role::Flap | Role::Slit))
+        .map(|p| p.path.bounds())
+        .filter(|b| (b.min.x - NEAR_MM..=b.max.x + NEAR_MM).contains(&passage.station_mm));
+    let foot = near.map(|b| place.point(b.max).y).fold(f64::NEG_INFINITY, f64::max);
+    let foot = if foot.is_finite() { foot.min(top) } else { top };
+    page.line(&[P2::new(x, foot), P2::new(x, baseline - 0.6)], LEADER);
+    let (width, height) = (NUMBER.width_mm(&passage.joint), CAPITALS * NUMBER.size_mm);
+    let min = P2::new(*left, baseline);
+    page.block(&Rect { min, max: min + V2::new(width, height) }.grown(0.3), 1.0);
+    page.text(min, At::Left, NUMBER, &passage.joint);
+    if passage.half == Half::Flap {
+        let corner = min + V2::new(width + 1.0, 0.2);
+        let triangle =
+            [V2::zeros(), V2::new(TRIANGLE_MM, 0.0), V2::new(0.5 * TRIANGLE_MM, TRIANGLE_MM)].map(|v| corner + v);
+        let gray = if passage.face == Side::Front { 0.0 } else { 1.0 };
+        page.region([triangle.as_slice()], gray, Some(Pen::black(0.25)));
+    }
 }

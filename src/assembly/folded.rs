@@ -1,13 +1,13 @@
 //! The folded ruffle with its joint numbers, large for the table and small for a step; and the pages of one ruffle.
 
 use super::flow::Flow;
-use super::joints::Splice;
 use super::letters::Face;
 use super::page::{At, Lettering, Page, Pen, Place};
-use super::{Book, count, flat};
+use super::{Book, count, flat, splices_of};
 use crate::fit::Part;
 use crate::geom::{Obstacles, P2, Rect, V2};
 use crate::ruffle::Role;
+use crate::strip::Splice;
 
 const REGION: f64 = 0.9;
 const OUTER: Pen = Pen::black(0.55);
@@ -22,28 +22,24 @@ pub(super) const CAPITALS: f64 = 0.72;
 const SMALLEST: f64 = 0.5;
 
 /// The pages of a ruffle: folded, then flat.
-pub(super) fn pages(flow: &mut Flow, job: &Book, part: &Part, splices: &[Splice]) {
+pub(super) fn pages(flow: &mut Flow, job: &Book, part: &Part) {
     let title = format!("Ruffle {}: folded", part.name);
     flow.page(&title);
-    let joints = part.ruffle.connection_points().len();
+    let own: Vec<&Splice> = splices_of(job, &part.name).collect();
     let line = format!(
         "Seen from the front, the floor below. {}, strip {:.0} mm. {} The strip starts at the open ring.",
-        count(joints, "joint"),
+        count(part.ruffle.connection_points().len(), "joint"),
         part.report.strip_length_mm,
-        if splices.iter().any(|s| s.part == part.name) {
-            "Short bars across the strip show where its pieces overlap."
-        } else {
-            ""
-        }
+        if !own.is_empty() { "Short bars across the strip show where its pieces overlap." } else { "" }
     );
     flow.paragraph(super::flow::BODY, &line, &title);
     let picture = flow.take((flow.free_mm() - 2.0).min(1.1 * flow.width_mm()), &title);
-    large(flow.paper(), &picture, part, splices);
+    large(flow.paper(), &picture, part, &own);
     flat::pages(flow, job, part);
 }
 
 /// The folded ruffle in its outline, joints numbered, overlaps marked.
-fn large(page: &mut Page, picture: &Rect, part: &Part, splices: &[Splice]) {
+fn large(page: &mut Page, picture: &Rect, part: &Part, splices: &[&Splice]) {
     let (ruffle, x) = (&part.ruffle, &part.equilibrium.positions);
     let shown = Rect::around(part.outline.loops().flatten().chain(x));
     let place = Place::fit(&shown, &picture.grown(-9.0), 2.0);
@@ -55,17 +51,16 @@ fn large(page: &mut Page, picture: &Rect, part: &Part, splices: &[Splice]) {
     strip(page, part, &points, |role| if role == Role::Outer { OUTER } else { INNER });
 
     let stations = ruffle.stations();
-    let own: Vec<&Splice> = splices.iter().filter(|s| s.part == part.name).collect();
     let mut seams = Vec::new();
-    for splice in &own {
-        let middle = splice.start_mm + 0.5 * splice.overlap_mm;
+    for splice in splices {
+        let middle = 0.5 * (splice.stations_mm.start + splice.stations_mm.end);
         let k = stations.partition_point(|s| *s <= middle).clamp(1, stations.len() - 1);
         let (a, b) = (points[ruffle.at(k - 1)], points[ruffle.at(k)]);
         let t = ((middle - stations[k - 1]) / (stations[k] - stations[k - 1])).clamp(0.0, 1.0);
         let at = a + (b - a) * t;
         let across = (b - a).try_normalize(1e-9).map_or(V2::y(), |w| V2::new(-w.y, w.x)) * 2.2;
         page.line(&[at - across, at + across], Pen::black(0.9));
-        seams.push((at, format!("{} / {}", splice.from, splice.to)));
+        seams.push((at, [at - across, at + across], splice.pieces.join(" / ")));
     }
 
     let joints = ruffle.connection_points();
@@ -82,9 +77,10 @@ fn large(page: &mut Page, picture: &Rect, part: &Part, splices: &[Splice]) {
     let number = Lettering { size_mm: (0.75 * crowd).clamp(SMALLEST * NUMBER.size_mm, NUMBER.size_mm), ..NUMBER };
     let mut words: Vec<(Lettering, String)> =
         joints.iter().map(|joint| (number, format!("{}{}", part.name, joint.joint))).collect();
-    words.extend(seams.iter().map(|(_, text)| (SEAM, text.clone())));
-    dots.extend(seams.iter().map(|(at, _)| *at));
-    let lines: Vec<(P2, P2)> = ruffle.segments().map(|(i, j)| (points[i], points[j])).collect();
+    words.extend(seams.iter().map(|(_, _, text)| (SEAM, text.clone())));
+    dots.extend(seams.iter().map(|(at, ..)| *at));
+    let bars = seams.iter().map(|(_, [a, b], _)| (*a, *b));
+    let lines: Vec<(P2, P2)> = ruffle.segments().map(|(i, j)| (points[i], points[j])).chain(bars).collect();
     let widths: Vec<f64> = words.iter().map(|(lettering, text)| lettering.width_mm(text)).collect();
     let height = CAPITALS * number.size_mm;
     let obstacles = Obstacles { lines: &lines, dots: &dots, dot_mm: DOT_MM, area: *picture };
@@ -107,7 +103,7 @@ fn section_points(part: &Part, segments: std::ops::Range<usize>, points: &[P2]) 
 /// The ruffle after one step: what is closed in black, what is still loose in grey, this step's joint ringed and named. `closed` are joint numbers.
 pub(super) fn small(page: &mut Page, picture: &Rect, part: &Part, closed: &[u32], now: u32) {
     let (ruffle, x) = (&part.ruffle, &part.equilibrium.positions);
-    let place = Place::fit(&Rect::around(x), &picture.grown(-4.5), 1.0);
+    let place = Place::fit(&Rect::around(x), &picture.grown(-3.0), 1.0);
     let points: Vec<P2> = x.iter().map(|p| place.point(*p)).collect();
     let joints = ruffle.connection_points();
     let done =

@@ -23,7 +23,7 @@ use crate::drawing::Drawing;
 use crate::fit::Part;
 use crate::mesh::TriMesh;
 use crate::nest::Layout;
-use crate::strip::Piece;
+use crate::strip::{Piece, Splice};
 
 /// What is put into the printer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -68,6 +68,8 @@ pub struct Book<'a> {
     pub parts: &'a [Part],
     /// Everything that is cut, strip frame.
     pub pieces: &'a [Piece],
+    /// How pieces of one strip are joined.
+    pub splices: &'a [Splice],
     /// The sheets it is cut from, in cutting order.
     pub sheets: &'a [CutSheet<'a>],
     /// Machine and material.
@@ -123,15 +125,14 @@ const SPLICE_S: f64 = 60.0;
 /// The assembly sheets of a job, a PDF file.
 pub fn book(job: &Book) -> Vec<u8> {
     let mut flow = flow::Flow::new(job.paper);
-    let joints = joints::joints(job.parts, job.pieces);
-    let splices = joints::splices(job.parts, job.pieces);
-    cover::cover(&mut flow, job, &joints, &splices);
+    let joints = joints::joints(job.pieces);
+    cover::cover(&mut flow, job, &joints);
     cards::cutting_card(&mut flow, job);
     cards::cut_list(&mut flow, job);
-    steps::before(&mut flow, job, &splices);
+    steps::before(&mut flow, job);
     for part in job.parts {
-        folded::pages(&mut flow, job, part, &splices);
-        steps::steps(&mut flow, job, part, &joints, &splices);
+        folded::pages(&mut flow, job, part);
+        steps::steps(&mut flow, job, part, &joints);
     }
     steps::after(&mut flow, job);
     flow.finish(&footer(job))
@@ -140,6 +141,12 @@ pub fn book(job: &Book) -> Vec<u8> {
 /// Patterns at true size, a PDF file: every sheet on as many pages as it takes.
 pub fn patterns(job: &Book) -> Vec<u8> {
     tiles::patterns(job)
+}
+
+/// Splices between pieces of a part's strip.
+fn splices_of<'a>(job: &Book<'a>, part: &'a str) -> impl Iterator<Item = &'a Splice> + 'a {
+    let pieces = job.pieces;
+    job.splices.iter().filter(move |s| pieces.iter().any(|p| p.part == part && p.name == s.pieces[0]))
 }
 
 /// What stands under every page.

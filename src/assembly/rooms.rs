@@ -7,7 +7,6 @@
 use crate::fit::Part;
 use crate::geom::{P2, V2, convex_hull, signed_area};
 use crate::ruffle::ConnectionPoint;
-use std::f64::consts::{PI, TAU};
 
 /// What lies between two neighbouring edges at a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,8 +36,6 @@ pub(super) struct Rooms {
     pub thickness_mm: Vec<f64>,
     /// Around every joint in the order of the connection points, counter-clockwise.
     pub around: Vec<Vec<Sector>>,
-    /// For every joint and every pass, the direction in which the strip leaves the joint and the one it came from, rad; an end of the strip goes straight on.
-    pub ways: Vec<Vec<[f64; 2]>>,
 }
 
 impl Rooms {
@@ -60,32 +57,7 @@ impl Rooms {
                 (0..n).map(sector).collect()
             })
             .collect();
-        let ways = joints
-            .iter()
-            .zip(&edges)
-            .map(|(joint, edges)| (0..joint.passes.len()).map(|pass| ways(edges, pass)).collect())
-            .collect();
-        Rooms { thickness_mm: faces.thickness_mm, around, ways }
-    }
-
-    /// True when `other` passes the joint on the right of `pass`, seen the way the strip runs.
-    pub fn on_right(&self, joint: usize, pass: usize, other: usize) -> bool {
-        let [ahead, back] = self.ways[joint][pass];
-        let left = (back - ahead).rem_euclid(TAU);
-        // An edge of the other lies left when it comes before the way back, turning counter-clockwise from the way ahead.
-        let votes = self.ways[joint][other].map(|way| (way - ahead).rem_euclid(TAU) < left);
-        !votes[0] && !votes[1]
-    }
-}
-
-/// Leaving and arriving directions of one pass.
-fn ways(edges: &[Edge], pass: usize) -> [f64; 2] {
-    let way = |forward: bool| edges.iter().find(|e| e.pass == pass && e.forward == forward).map(|e| e.angle);
-    match (way(true), way(false)) {
-        (Some(ahead), Some(back)) => [ahead, back],
-        (Some(ahead), None) => [ahead, ahead + PI],
-        (None, Some(back)) => [back + PI, back],
-        (None, None) => [0.0, PI],
+        Rooms { thickness_mm: faces.thickness_mm, around }
     }
 }
 

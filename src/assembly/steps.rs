@@ -1,29 +1,32 @@
 //! What to do, step by step, with a box to tick for each.
 
 use super::flow::{BODY, Flow, STRONG, check_box};
-use super::joints::{Fold, Joint, Splice};
+use super::joints::Joint;
 use super::letters::{Face, wrapped};
 use super::order::{FINGERS_MM, Step, TWEEZERS_MM, order};
 use super::page::{At, Lettering, Page, Pen};
-use super::{Book, count, cover, folded};
+use super::{Book, count, cover, folded, splices_of};
 use crate::fit::{FootUsed, Part};
 use crate::geom::{P2, Rect, V2};
+use crate::strip::{Face as Side, Splice, SpliceKind};
 
 const NUMBER: Lettering = Lettering::new(9.0, Face::Bold);
 const TEXT: Lettering = Lettering::new(3.3, Face::Plain);
 const SMALL: Lettering = Lettering { size_mm: 3.0, face: Face::Plain, gray: 0.3 };
 const BORDER: Pen = Pen::gray(0.2, 0.6);
 /// Height of one step, mm.
-const STEP_MM: f64 = 46.0;
+const STEP_MM: f64 = 53.0;
 const ACROSS: usize = 2;
-const GAP_MM: f64 = 5.0;
+/// Share of a step's width that words take; the picture has the rest.
+const WORDS: f64 = 0.42;
+const GAP_MM: f64 = 4.0;
 
 /// What is done to the cut pieces before any joint is closed.
-pub(super) fn before(flow: &mut Flow, job: &Book, splices: &[Splice]) {
+pub(super) fn before(flow: &mut Flow, job: &Book) {
     const TITLE: &str = "Before folding";
     flow.page(TITLE);
     flow.heading("Tools", 10.0, TITLE);
-    for tool in tools(job, splices) {
+    for tool in tools(job) {
         flow.check(tool, TITLE);
     }
     if let Some(known) = job.handling.grain_known {
@@ -48,9 +51,9 @@ pub(super) fn before(flow: &mut Flow, job: &Book, splices: &[Splice]) {
         job.handling.rod_mm
     );
     flow.check(&curl, TITLE);
-    if !splices.is_empty() {
+    if !job.splices.is_empty() {
         flow.heading("Join the pieces of each strip", 20.0, TITLE);
-        for splice in splices {
+        for splice in job.splices {
             flow.check(&splice_text(splice), TITLE);
         }
     }
@@ -59,7 +62,7 @@ pub(super) fn before(flow: &mut Flow, job: &Book, splices: &[Splice]) {
     flow.paragraph(BODY, how, TITLE);
 }
 
-fn tools(job: &Book, splices: &[Splice]) -> Vec<&'static str> {
+fn tools(job: &Book) -> Vec<&'static str> {
     let mut tools = Vec::new();
     if job.card.by_hand {
         tools.push("Scissors, and a sharp knife with a ruler and a cutting mat for flaps and slits");
@@ -71,26 +74,35 @@ fn tools(job: &Book, splices: &[Splice]) -> Vec<&'static str> {
     tools.push("Bone folder, or the back of a spoon, to press joints flat");
     tools.push("A rod or a pencil to curl strips");
     let pinned = job.parts.iter().any(|part| part.report.foot == FootUsed::Pinned);
-    if pinned || splices.iter().any(|splice| splice.joint.is_none()) {
+    if pinned || job.splices.iter().any(|splice| splice.joints.is_empty()) {
         tools.push("Glue or double-sided tape");
     }
     tools
 }
 
 fn splice_text(splice: &Splice) -> String {
-    let Splice { from, to, overlap_mm, joint, .. } = splice;
-    match joint {
-        Some(joint) => format!(
-            "{from} and {to} overlap by {overlap_mm:.0} mm at joint {joint}: lay the start of {to} on the end of {from}, slit on slit. The flap of {joint} holds both when its turn comes."
-        ),
-        None => format!(
-            "Lay the start of {to} on the end of {from}, lettered sides alike, so that they overlap by {overlap_mm:.0} mm; glue or tape it."
-        ),
+    let [from, to] = &splice.pieces;
+    let overlap = splice.stations_mm.end - splice.stations_mm.start;
+    let joints = splice.joints.join(", ");
+    let laid =
+        format!("Lay the start of {to} on the front of the end of {from}, so that they overlap by {overlap:.0} mm");
+    match splice.kind {
+        SpliceKind::Connection => {
+            format!("{laid}, slit on slit, and clip them. The flap of joint {joints} holds both when its turn comes.")
+        }
+        SpliceKind::Lap if joints.is_empty() => format!("{laid}; glue or tape it."),
+        SpliceKind::Lap => format!("{laid}, and close {joints}."),
+        SpliceKind::DovetailTape => {
+            format!("Put the dovetails of {from} and {to} together, flat on the table, and tape them over.")
+        }
+        SpliceKind::Finger => {
+            format!("Put the fingers of {from} and {to} together, flat on the table, and glue or tape them.")
+        }
     }
 }
 
 /// The steps of one ruffle.
-pub(super) fn steps(flow: &mut Flow, job: &Book, part: &Part, joints: &[Joint], splices: &[Splice]) {
+pub(super) fn steps(flow: &mut Flow, job: &Book, part: &Part, joints: &[Joint]) {
     let title = format!("Ruffle {}: steps", part.name);
     let order = order(part);
     let connections = part.ruffle.connection_points();
@@ -98,7 +110,7 @@ pub(super) fn steps(flow: &mut Flow, job: &Book, part: &Part, joints: &[Joint], 
     let name = |number: u32| format!("{}{number}", part.name);
     let cut = |number: u32| joints.iter().find(|joint| joint.name == name(number));
     let flaps = numbers.iter().filter_map(|n| cut(*n)).map(|joint| joint.flaps).sum();
-    let own = splices.iter().filter(|splice| splice.part == part.name).count();
+    let own = splices_of(job, &part.name).count();
     flow.page(&title);
     let minutes = cover::assembly_minutes(job, flaps, own);
     let note = format!(
@@ -125,7 +137,7 @@ pub(super) fn steps(flow: &mut Flow, job: &Book, part: &Part, joints: &[Joint], 
                 SMALL,
                 &format!("step {} of {}", k + 1, order.len()),
             );
-            let middle = card.min.x + 0.5 * width;
+            let middle = card.min.x + WORDS * width;
             words(
                 page,
                 P2::new(card.min.x + 3.0, card.max.y - 16.0),
@@ -142,28 +154,28 @@ pub(super) fn steps(flow: &mut Flow, job: &Book, part: &Part, joints: &[Joint], 
 fn sentences(joint: Option<&Joint>, step: &Step) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(joint) = joint {
-        let flap = joint.flap_on.join(" and ");
-        if joint.flaps > 1 {
-            lines.push(format!("{} flaps on {flap}", joint.flaps));
+        let flap = joint.flap_on.join(" + ");
+        lines.push(if joint.flaps > 1 {
+            format!("{} flaps on {flap}", joint.flaps)
         } else {
-            lines.push(format!("Flap on {flap}"));
-        }
-        let slits: Vec<String> = joint.slit_on.iter().map(|piece| format!("slit on {piece}")).collect();
+            format!("Flap on {flap}")
+        });
+        let slits: Vec<String> = joint.through.iter().map(|pieces| format!("slit on {}", pieces.join(" + "))).collect();
         if !slits.is_empty() {
-            lines.push(format!("through {}", slits.join(", then ")));
+            lines.push(format!("through {}.", slits.join(", then ")));
         }
         match joint.fold {
-            Some(Fold::Toward) => lines.push("Fold toward you.".into()),
-            Some(Fold::Away) => lines.push("Fold away from you.".into()),
-            Some(Fold::Both) | None => {}
+            Some(Side::Front) => lines.push("Fold toward you.".into()),
+            Some(Side::Back) => lines.push("Fold away from you.".into()),
+            None => {}
         }
     }
     lines.push(if step.room_mm >= FINGERS_MM {
         "Fingers fit.".into()
     } else if step.room_mm >= TWEEZERS_MM {
-        format!("Tweezers: the room is {:.0} mm.", step.room_mm)
+        format!("Tweezers: {:.0} mm of room.", step.room_mm)
     } else {
-        format!("Tight, {:.0} mm: tweezers from the open side.", step.room_mm)
+        format!("Only {:.0} mm of room: tweezers, from the open side.", step.room_mm)
     });
     lines
 }

@@ -50,6 +50,7 @@ pub(super) fn files(
         mesh: realised.mesh.as_ref(),
         parts: &realised.parts,
         pieces: &strips.pieces,
+        splices: &strips.splices,
         sheets: &cut_sheets,
         card: &card,
         handling: Handling {

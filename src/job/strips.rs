@@ -4,7 +4,7 @@ use super::settings::Setup;
 use super::stock::{self, Sheet};
 use super::{Error, Realised};
 use crate::progress::Warning;
-use crate::strip::{self, Connector, Piece};
+use crate::strip::{self, Connector, Piece, Splice};
 
 /// Pieces of all parts and the sheets they are meant for.
 #[derive(Debug, Clone)]
@@ -13,6 +13,8 @@ pub(super) struct Strips {
     pub pieces: Vec<Piece>,
     /// Connectors, each also among the pieces.
     pub connectors: Vec<Connector>,
+    /// How pieces of one strip are joined.
+    pub splices: Vec<Splice>,
     /// Sheets to cut from, in order of preference.
     pub stock: Vec<Sheet>,
     /// Worst over all joints, mm.
@@ -69,6 +71,7 @@ fn flat(realised: &Realised, setup: &Setup, stock: Vec<Sheet>) -> Result<Strips,
     let mut strips = Strips {
         pieces: Vec::new(),
         connectors: Vec::new(),
+        splices: Vec::new(),
         stock,
         max_mating_error_mm: 0.0,
         label_collisions: 0,
@@ -77,6 +80,7 @@ fn flat(realised: &Realised, setup: &Setup, stock: Vec<Sheet>) -> Result<Strips,
     for part in &realised.parts {
         let pieces = strip::pieces(part, &settings)?;
         strips.pieces.extend(pieces.pieces);
+        strips.splices.extend(pieces.splices);
         strips.max_mating_error_mm = strips.max_mating_error_mm.max(pieces.max_mating_error_mm);
         strips.label_collisions += pieces.label_collisions;
         strips.warnings.extend(pieces.warnings);
