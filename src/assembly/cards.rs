@@ -91,6 +91,9 @@ fn thumbnail(page: &mut Page, picture: &Rect, sheet: &CutSheet, grain_known: Opt
     if grain_known.is_some() {
         let right = P2::new(corner.x + size.x - 2.0, corner.y + size.y - 2.5);
         let left = right - V2::new(14.0, 0.0);
+        let words = CAPTION.width_mm("grain") + 2.0;
+        let min = left - V2::new(words, 1.4);
+        page.block(&Rect { min, max: right + V2::new(0.5, 1.4) }, 1.0);
         let pen = Pen::black(0.25);
         page.line(&[left, right], pen);
         for (tip, way) in [(left, 1.0), (right, -1.0)] {

@@ -153,3 +153,56 @@ fn write(page: &mut Page, piece: &Piece, number: &Number, place: &Place, top: f6
         page.region([triangle.as_slice()], gray, Some(Pen::black(0.25)));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drawing::Drawing;
+    use crate::strip::Seat;
+
+    fn piece(stations: &[f64]) -> Piece {
+        let passage = |(i, station_mm): (usize, &f64)| Passage {
+            joint: format!("A{}", i + 1),
+            station_mm: *station_mm,
+            half: if i % 2 == 0 { Half::Flap } else { Half::Slit },
+            face: Side::Front,
+            depth: i % 2,
+            sheets: 1,
+            seats: vec![Seat { across_mm: 0.0, direction: 1.0 }],
+        };
+        Piece {
+            name: "A1".into(),
+            part: "A".into(),
+            drawing: Drawing::default(),
+            stations_mm: 0.0..300.0,
+            passages: stations.iter().enumerate().map(passage).collect(),
+            length_mm: 300.0,
+            width_mm: 30.0,
+            mass_g: 1.0,
+        }
+    }
+
+    #[test]
+    fn crowded_numbers_stand_in_lanes_and_none_lies_on_another_or_beyond_the_page() {
+        let piece = piece(&[0.0, 4.0, 9.0, 11.0, 60.0, 140.0, 296.0, 299.0]);
+        let stretch = Rect { min: P2::new(0.0, -15.0), max: P2::new(300.0, 15.0) };
+        let numbers = numbers(&piece, &stretch, 0.6, 195.0);
+        assert_eq!(numbers.len(), 8);
+        for (i, a) in numbers.iter().enumerate() {
+            let end = a.left + NUMBER.width_mm(&a.passage.joint);
+            assert!(a.left >= MARGIN_MM && end <= 195.0);
+            for b in numbers[i + 1..].iter().filter(|b| b.lane == a.lane) {
+                assert!(b.left >= end, "{} on {}", b.passage.joint, a.passage.joint);
+            }
+        }
+        assert!(numbers.iter().all(|n| n.lane < 4));
+    }
+
+    #[test]
+    fn a_row_shows_the_numbers_of_its_own_stretch() {
+        let piece = piece(&[10.0, 120.0, 250.0]);
+        let stretch = Rect { min: P2::new(100.0, -15.0), max: P2::new(200.0, 15.0) };
+        let shown = numbers(&piece, &stretch, 1.0, 195.0);
+        assert_eq!(shown.iter().map(|n| n.passage.joint.as_str()).collect::<Vec<_>>(), ["A2"]);
+    }
+}

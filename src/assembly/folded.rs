@@ -60,7 +60,7 @@ fn large(page: &mut Page, picture: &Rect, part: &Part, splices: &[&Splice]) {
         let at = a + (b - a) * t;
         let across = (b - a).try_normalize(1e-9).map_or(V2::y(), |w| V2::new(-w.y, w.x)) * 2.2;
         page.line(&[at - across, at + across], Pen::black(0.9));
-        seams.push((at, [at - across, at + across], splice.pieces.join(" / ")));
+        seams.push((at, [at - across, at + across], format!("pieces {}", splice.pieces.join(" / "))));
     }
 
     let joints = ruffle.connection_points();

@@ -45,6 +45,9 @@ pub(super) fn before(flow: &mut Flow, job: &Book) {
     }
     flow.heading("Prepare the pieces", 20.0, TITLE);
     flow.check("Lay out the pieces as on the pages called \"flat\" and compare the numbers.", TITLE);
+    if !job.handling.lettered {
+        flow.check("Nothing is written on them: write the numbers beside flaps and slits, in pencil or on bits of tape, as those pages show.", TITLE);
+    }
     flow.check("Push every flap out of the sheet and back again, gently; free what still hangs on.", TITLE);
     let curl = format!(
         "Curl every piece over its whole length, both ways: pull it over the edge of the table, or wind it round a rod of {:.0} mm. Loops then fall into place by themselves.",
@@ -84,8 +87,9 @@ fn splice_text(splice: &Splice) -> String {
     let [from, to] = &splice.pieces;
     let overlap = splice.stations_mm.end - splice.stations_mm.start;
     let joints = splice.joints.join(", ");
-    let laid =
-        format!("Lay the start of {to} on the front of the end of {from}, so that they overlap by {overlap:.0} mm");
+    let laid = format!(
+        "Lay the start of piece {to} on the end of piece {from}, the sides shown on the pages called \"flat\" up, so that they overlap by {overlap:.0} mm"
+    );
     match splice.kind {
         SpliceKind::Connection => {
             format!("{laid}, slit on slit, and clip them. The flap of joint {joints} holds both when its turn comes.")
@@ -93,10 +97,10 @@ fn splice_text(splice: &Splice) -> String {
         SpliceKind::Lap if joints.is_empty() => format!("{laid}; glue or tape it."),
         SpliceKind::Lap => format!("{laid}, and close {joints}."),
         SpliceKind::DovetailTape => {
-            format!("Put the dovetails of {from} and {to} together, flat on the table, and tape them over.")
+            format!("Put the dovetails of pieces {from} and {to} together, flat on the table, and tape them over.")
         }
         SpliceKind::Finger => {
-            format!("Put the fingers of {from} and {to} together, flat on the table, and glue or tape them.")
+            format!("Put the fingers of pieces {from} and {to} together, flat on the table, and glue or tape them.")
         }
     }
 }
@@ -154,13 +158,11 @@ pub(super) fn steps(flow: &mut Flow, job: &Book, part: &Part, joints: &[Joint]) 
 fn sentences(joint: Option<&Joint>, step: &Step) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(joint) = joint {
-        let flap = joint.flap_on.join(" + ");
-        lines.push(if joint.flaps > 1 {
-            format!("{} flaps on {flap}", joint.flaps)
-        } else {
-            format!("Flap on {flap}")
-        });
-        let slits: Vec<String> = joint.through.iter().map(|pieces| format!("slit on {}", pieces.join(" + "))).collect();
+        let on = |pieces: &[&str]| format!("piece {}", pieces.join(" + "));
+        let (count, plural) = if joint.flaps > 1 { (format!("{} ", joint.flaps), "s") } else { (String::new(), "") };
+        lines.push(format!("{count}flap{plural} {} on {}", joint.name, on(&joint.flap_on)));
+        let slits: Vec<String> =
+            joint.through.iter().map(|pieces| format!("slit{plural} {} on {}", joint.name, on(pieces))).collect();
         if !slits.is_empty() {
             lines.push(format!("through {}.", slits.join(", then ")));
         }
