@@ -39,10 +39,11 @@ struct Page {
 
 /// Reads a file the strict way: cross-reference table, then objects by their offsets, then pages and the operators of their contents.
 fn read(bytes: &[u8]) -> Vec<Page> {
-    let text: String = bytes.iter().map(|b| char::from(*b)).collect();
+    // One character a byte, so that offsets stay what they are.
+    let text: String = bytes.iter().map(|b| if b.is_ascii() { char::from(*b) } else { '?' }).collect();
     assert!(text.starts_with("%PDF-1."), "no PDF");
     assert!(text.trim_end().ends_with("%%EOF"));
-    let after = |text: &str, key: &str| text.split(key).nth(1).unwrap_or_else(|| panic!("no {key}")).to_owned();
+    let after = |text: &str, key: &str| text.split_once(key).unwrap_or_else(|| panic!("no {key}")).1.to_owned();
     let number = |text: &str| text.split_whitespace().next().and_then(|n| n.parse::<usize>().ok()).expect("a number");
     let table = &text[number(&after(&text, "startxref"))..];
     assert!(table.starts_with("xref"));
