@@ -131,7 +131,7 @@ impl Faces {
         }
         // The half-edge after `half` round the face on its left: at a joint the next edge clockwise from the way back, elsewhere straight on.
         let next = |half: usize| {
-            let (segment, forward) = (half / 2, half % 2 == 0);
+            let (segment, forward) = (half / 2, half.is_multiple_of(2));
             let at = if forward { segment + 1 } else { segment };
             let back = 2 * segment + usize::from(forward);
             if let Some(j) = joint_at[ruffle.at(at)] {
