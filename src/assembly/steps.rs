@@ -159,8 +159,9 @@ fn sentences(joint: Option<&Joint>, step: &Step) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(joint) = joint {
         let on = |pieces: &[&str]| format!("piece {}", pieces.join(" + "));
-        let (count, plural) = if joint.flaps > 1 { (format!("{} ", joint.flaps), "s") } else { (String::new(), "") };
-        lines.push(format!("{count}flap{plural} {} on {}", joint.name, on(&joint.flap_on)));
+        let (flap, plural) =
+            if joint.flaps > 1 { (format!("{} flaps", joint.flaps), "s") } else { ("Flap".to_owned(), "") };
+        lines.push(format!("{flap} {} on {}", joint.name, on(&joint.flap_on)));
         let slits: Vec<String> =
             joint.through.iter().map(|pieces| format!("slit{plural} {} on {}", joint.name, on(pieces))).collect();
         if !slits.is_empty() {

@@ -79,9 +79,11 @@ fn card(setup: &Setup, sheets: &Sheets) -> Card {
         let total_s: f64 = sheets.sheets.iter().map(|sheet| sheet.time_s).sum();
         facts.push(("Time", format!("{} in all", minutes(total_s))));
     }
+    // What a material needs is said for machines: how it burns, how it smokes.
+    let of_material = profile.setup.iter().filter(|_| !setup.by_hand());
     Card {
         facts: facts.into_iter().map(|(what, value)| (what.to_owned(), value)).collect(),
-        setup: machine.setup.iter().chain(&profile.setup).cloned().collect(),
+        setup: machine.setup.iter().chain(of_material).cloned().collect(),
         uncalibrated: (!pairing.cut.calibrated).then(|| {
             format!(
                 "values {}. Cut a small test piece with one joint first, and see that it holds.",
