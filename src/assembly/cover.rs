@@ -38,7 +38,7 @@ pub(super) fn cover(flow: &mut Flow, job: &Book, joints: &[Joint]) {
         }
     };
     let mass: f64 = job.pieces.iter().map(|piece| piece.mass_g).sum();
-    let flaps: usize = joints.iter().map(|joint| joint.flaps).sum();
+    let flaps: usize = joints.iter().map(|joint| joint.abreast).sum();
     let minutes = assembly_minutes(job, flaps, job.splices.len());
     let cut = format!("{} on {}", count(job.pieces.len(), "piece"), count(job.sheets.len(), "sheet"));
     let build =

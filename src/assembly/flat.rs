@@ -35,6 +35,8 @@ const NEAR_MM: f64 = 3.0;
 /// A joint number over a piece.
 struct Number<'a> {
     passage: &'a Passage,
+    /// Where the passage lies in the drawing, mm.
+    x_mm: f64,
     /// Left end on the page, mm.
     left: f64,
     /// The lane it stands in, from below.
@@ -51,7 +53,7 @@ pub(super) fn pages(flow: &mut Flow, job: &Book, part: &Part) {
     flow.page(&title);
     let face = if job.handling.lettered { "the lettered side" } else { "the side shown here" };
     let note = format!(
-        "Drawn at {:.0} % with {face} toward you, the start of the strip on the left. Dark shapes are flaps, thick bars are slits; each goes with its own number. Fold a flap with a solid triangle toward you, with a hollow one away from you.",
+        "Drawn at {:.0} % with {face} toward you. Dark shapes are flaps, thick bars are slits; each goes with its own number. Fold a flap with a solid triangle toward you, with a hollow one away from you.",
         100.0 * scale
     );
     flow.paragraph(BODY, &note, &title);
@@ -73,6 +75,11 @@ fn rows(flow: &mut Flow, piece: &Piece, scale: f64, title: &str) {
             (1, _) => format!("Piece {}", piece.name),
             (_, 0) => format!("Piece {}, goes on below", piece.name),
             _ => format!("Piece {}, row {} of {count}", piece.name, row + 1),
+        };
+        let name = if piece.seen_from == Side::Front {
+            name
+        } else {
+            format!("{name} (seen from the back, so the strip starts on the right)")
         };
         // Lanes first: they decide how high the row is.
         let drawn_mm = bounds.height() * scale;
@@ -110,10 +117,15 @@ fn draw(page: &mut Page, piece: &Piece, place: &Place) {
 
 /// Joint numbers over a stretch of a piece, each in the lowest lane in which it lies on no other.
 fn numbers<'a>(piece: &'a Piece, stretch: &Rect, scale: f64, right: f64) -> Vec<Number<'a>> {
+    // A piece seen from the back is drawn mirrored.
+    let drawn =
+        |passage: &Passage| if piece.seen_from == Side::Front { passage.station_mm } else { -passage.station_mm };
+    let within = |(x, _): &(f64, &Passage)| (stretch.min.x..=stretch.max.x).contains(x);
+    let mut marks: Vec<(f64, &Passage)> = piece.passages.iter().map(|p| (drawn(p), p)).filter(within).collect();
+    marks.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut ends: Vec<f64> = Vec::new();
-    let within = |passage: &&Passage| (stretch.min.x..=stretch.max.x).contains(&passage.station_mm);
-    let number = |passage: &'a Passage| {
-        let middle = MARGIN_MM + (passage.station_mm - stretch.min.x) * scale;
+    let number = |(x_mm, passage): (f64, &'a Passage)| {
+        let middle = MARGIN_MM + (x_mm - stretch.min.x) * scale;
         let triangle = if passage.half == Half::Flap { TRIANGLE_MM + 1.0 } else { 0.0 };
         let width = NUMBER.width_mm(&passage.joint) + triangle;
         let left = (middle - 0.5 * width).clamp(MARGIN_MM, right - width);
@@ -123,21 +135,21 @@ fn numbers<'a>(piece: &'a Piece, stretch: &Rect, scale: f64, right: f64) -> Vec<
             Some(last) => *last = end,
             None => ends.push(end),
         }
-        Number { passage, left, lane }
+        Number { passage, x_mm, left, lane }
     };
-    piece.passages.iter().filter(within).map(number).collect()
+    marks.into_iter().map(number).collect()
 }
 
 /// Writes a number over the piece, with a line down to its cut.
 fn write(page: &mut Page, piece: &Piece, number: &Number, place: &Place, top: f64) {
-    let Number { passage, left, lane } = number;
+    let Number { passage, x_mm, left, lane } = number;
     let baseline = top + 1.2 + *lane as f64 * LANE_MM;
-    let x = place.point(P2::new(passage.station_mm, 0.0)).x;
+    let x = place.point(P2::new(*x_mm, 0.0)).x;
     let cuts = piece.drawing.paths.iter().filter(|p| p.joint.as_ref() == Some(&passage.joint));
     let near = cuts
         .filter(|p| matches!(p.role, Role::Flap | Role::Slit))
         .map(|p| p.path.bounds())
-        .filter(|b| (b.min.x - NEAR_MM..=b.max.x + NEAR_MM).contains(&passage.station_mm));
+        .filter(|b| (b.min.x - NEAR_MM..=b.max.x + NEAR_MM).contains(x_mm));
     let foot = near.map(|b| place.point(b.max).y).fold(f64::NEG_INFINITY, f64::max);
     let foot = if foot.is_finite() { foot.min(top) } else { top };
     page.line(&[P2::new(x, foot), P2::new(x, baseline - 0.6)], LEADER);
@@ -149,7 +161,7 @@ fn write(page: &mut Page, piece: &Piece, number: &Number, place: &Place, top: f6
         let corner = min + V2::new(width + 1.0, 0.2);
         let triangle =
             [V2::zeros(), V2::new(TRIANGLE_MM, 0.0), V2::new(0.5 * TRIANGLE_MM, TRIANGLE_MM)].map(|v| corner + v);
-        let gray = if passage.face == Side::Front { 0.0 } else { 1.0 };
+        let gray = if passage.face == piece.seen_from { 0.0 } else { 1.0 };
         page.region([triangle.as_slice()], gray, Some(Pen::black(0.25)));
     }
 }
@@ -174,6 +186,7 @@ mod tests {
             name: "A1".into(),
             part: "A".into(),
             drawing: Drawing::default(),
+            seen_from: Side::Front,
             stations_mm: 0.0..300.0,
             passages: stations.iter().enumerate().map(passage).collect(),
             length_mm: 300.0,

@@ -1,14 +1,14 @@
 //! What to do, step by step, with a box to tick for each.
 
 use super::flow::{BODY, Flow, STRONG, check_box};
-use super::joints::Joint;
+use super::joints::{Held, Joint};
 use super::letters::{Face, wrapped};
 use super::order::{FINGERS_MM, Step, TWEEZERS_MM, order};
 use super::page::{At, Lettering, Page, Pen};
 use super::{Book, count, cover, folded, splices_of};
 use crate::fit::{FootUsed, Part};
 use crate::geom::{P2, Rect, V2};
-use crate::strip::{Face as Side, Splice, SpliceKind};
+use crate::strip::{Face as Side, Piece, Splice, SpliceKind};
 
 const NUMBER: Lettering = Lettering::new(9.0, Face::Bold);
 const TEXT: Lettering = Lettering::new(3.3, Face::Plain);
@@ -57,7 +57,7 @@ pub(super) fn before(flow: &mut Flow, job: &Book) {
     if !job.splices.is_empty() {
         flow.heading("Join the pieces of each strip", 20.0, TITLE);
         for splice in job.splices {
-            flow.check(&splice_text(splice), TITLE);
+            flow.check(&splice_text(splice, job.pieces), TITLE);
         }
     }
     flow.heading("How a joint closes", 36.0, TITLE);
@@ -83,19 +83,21 @@ fn tools(job: &Book) -> Vec<&'static str> {
     tools
 }
 
-fn splice_text(splice: &Splice) -> String {
+fn splice_text(splice: &Splice, pieces: &[Piece]) -> String {
     let [from, to] = &splice.pieces;
     let overlap = splice.stations_mm.end - splice.stations_mm.start;
-    let joints = splice.joints.join(", ");
+    let joints = splice.joints.join(" and ");
+    let front_up = pieces.iter().find(|p| p.name == *from).is_none_or(|p| p.seen_from == Side::Front);
+    let on = if splice.later_in_front == front_up { "on" } else { "under" };
     let laid = format!(
-        "Lay the start of piece {to} on the end of piece {from}, the sides shown on the pages called \"flat\" up, so that they overlap by {overlap:.0} mm"
+        "Lay the start of piece {to} {on} the end of piece {from}, the sides shown on the pages called \"flat\" up; they overlap by {overlap:.0} mm"
     );
     match splice.kind {
         SpliceKind::Connection => {
-            format!("{laid}, slit on slit, and clip them. The flap of joint {joints} holds both when its turn comes.")
+            format!("{laid}, cut on cut at joint {joints}. Clip them: they are held when the turn of {joints} comes.")
         }
-        SpliceKind::Lap if joints.is_empty() => format!("{laid}; glue or tape it."),
-        SpliceKind::Lap => format!("{laid}, and close {joints}."),
+        SpliceKind::Lap if joints.is_empty() => format!("{laid}. Glue or tape them."),
+        SpliceKind::Lap => format!("{laid}. Close joints {joints}, which hold them."),
         SpliceKind::DovetailTape => {
             format!("Put the dovetails of pieces {from} and {to} together, flat on the table, and tape them over.")
         }
@@ -113,7 +115,7 @@ pub(super) fn steps(flow: &mut Flow, job: &Book, part: &Part, joints: &[Joint]) 
     let numbers: Vec<u32> = order.iter().map(|step| connections[step.joint].joint).collect();
     let name = |number: u32| format!("{}{number}", part.name);
     let cut = |number: u32| joints.iter().find(|joint| joint.name == name(number));
-    let flaps = numbers.iter().filter_map(|n| cut(*n)).map(|joint| joint.flaps).sum();
+    let flaps = numbers.iter().filter_map(|n| cut(*n)).map(|joint| joint.abreast).sum();
     let own = splices_of(job, &part.name).count();
     flow.page(&title);
     let minutes = cover::assembly_minutes(job, flaps, own);
@@ -159,17 +161,31 @@ fn sentences(joint: Option<&Joint>, step: &Step) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(joint) = joint {
         let on = |pieces: &[&str]| format!("piece {}", pieces.join(" + "));
-        let (flap, plural) =
-            if joint.flaps > 1 { (format!("{} flaps", joint.flaps), "s") } else { ("Flap".to_owned(), "") };
-        lines.push(format!("{flap} {} on {}", joint.name, on(&joint.flap_on)));
-        let slits: Vec<String> =
-            joint.through.iter().map(|pieces| format!("slit{plural} {} on {}", joint.name, on(pieces))).collect();
-        if !slits.is_empty() {
-            lines.push(format!("through {}.", slits.join(", then ")));
+        let several = joint.abreast > 1;
+        let sheets = |what: &str| -> Vec<String> {
+            joint.through.iter().map(|pieces| format!("{what} {} on {}", joint.name, on(pieces))).collect()
+        };
+        match joint.held {
+            Held::Flaps => {
+                let flap = if several { format!("{} flaps", joint.abreast) } else { "Flap".to_owned() };
+                lines.push(format!("{flap} {} on {}", joint.name, on(&joint.flap_on)));
+                let slits = sheets(if several { "slits" } else { "slit" });
+                if !slits.is_empty() {
+                    lines.push(format!("through {}.", slits.join(", then ")));
+                }
+            }
+            Held::Holes => {
+                lines.push(format!("Lay {} on each other.", sheets("holes").join(", ")));
+                lines.push("Close with rivets, fasteners or thread.".into());
+            }
+            Held::Tape => {
+                lines.push(format!("Lay {} on each other.", sheets("marks").join(", ")));
+                lines.push("Tape or glue them.".into());
+            }
         }
-        match joint.fold {
-            Some(Side::Front) => lines.push("Fold toward you.".into()),
-            Some(Side::Back) => lines.push("Fold away from you.".into()),
+        match joint.toward {
+            Some(true) => lines.push("Fold toward you.".into()),
+            Some(false) => lines.push("Fold away from you.".into()),
             None => {}
         }
     }
