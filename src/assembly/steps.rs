@@ -160,7 +160,7 @@ pub(super) fn steps(flow: &mut Flow, job: &Book, part: &Part, joints: &[Joint]) 
 fn sentences(joint: Option<&Joint>, step: &Step) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(joint) = joint {
-        let on = |pieces: &[&str]| format!("piece {}", pieces.join(" + "));
+        let on = |pieces: &[&str]| format!("piece{} {}", if pieces.len() > 1 { "s" } else { "" }, pieces.join(" + "));
         let several = joint.abreast > 1;
         let sheets = |what: &str| -> Vec<String> {
             joint.through.iter().map(|pieces| format!("{what} {} on {}", joint.name, on(pieces))).collect()
