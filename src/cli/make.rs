@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
+
 use super::order::Shape;
 use super::output;
 use super::screen::Screen;
@@ -112,16 +114,18 @@ fn tell(made: &Made, out: &Path) -> Result<(), Failure> {
         output::line(&format!("! {}{place}", warning.message))?;
     }
     let next = if made.files.iter().any(|file| file.ends_with("print.pdf")) {
-        "print print.pdf at 100 %, cut along the lines, and follow assembly.pdf"
+        "\nto cut it: print print.pdf at 100 %, cut along the lines, and follow assembly.pdf".to_owned()
     } else {
-        "look at parts/ and sheets/*.png, load sheets/*.nc into your sender, and follow assembly.pdf"
+        format!(
+            ": look at parts/ and sheets/*.png\nto cut it: furbelow send {o} -m {m} --port PORT  (furbelow ports names them), or load sheets/*.nc into your sender; then follow assembly.pdf",
+            o = quoted(out),
+            m = report.machine,
+        )
     };
     output::line(&format!(
-        "\nwrote {} files to {}: {next}\nto change something: edit {d} and run  furbelow make {d}",
+        "\nwrote {} files to {}{next}\nto change something: edit {d} and run  furbelow make {d}",
         made.files.len(),
         out.display(),
-        o = quoted(out),
-        m = report.machine,
         d = quoted(&out.join("design.toml")),
     ))
 }

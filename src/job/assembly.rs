@@ -5,7 +5,7 @@ use super::sheets::{Sheets, minutes};
 use super::strips::Strips;
 use super::{Order, Realised};
 use crate::assembly::{Book, Card, CutSheet, Handling, book, patterns};
-use crate::config::{Grain, Process, StockGrain};
+use crate::config::{Grain, LabelKind, Process, StockGrain};
 
 /// The assembly sheets.
 pub(super) const FILE: &str = "assembly.pdf";
@@ -42,9 +42,9 @@ pub(super) fn files(
         .collect();
     let known = sheets.sheets.iter().all(|s| strips.stock[s.layout.container].grain != StockGrain::Unknown);
     let directional = setup.profile.grain == Grain::Directional;
-    let (name, hash, card) = (order.name(), order.hash(), card(setup, sheets));
+    let (hash, card) = (order.hash(), card(setup, sheets));
     let job = Book {
-        name: &name,
+        name: &order.name,
         hash: &hash,
         paper: order.paper,
         mesh: realised.mesh.as_ref(),
@@ -57,7 +57,7 @@ pub(super) fn files(
             flap_s: if directional { PAPER_FLAP_S } else { SOFT_FLAP_S },
             rod_mm: (2.0 * setup.profile.min_bend_radius_mm).max(LEAST_ROD_MM),
             grain_known: directional.then_some(known),
-            lettered: setup.pairing.engrave.is_some(),
+            lettered: matches!(setup.label_kind(), LabelKind::Engrave | LabelKind::Pen | LabelKind::Perforate),
         },
     };
     let mut files = vec![(FILE, book(&job))];

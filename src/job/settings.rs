@@ -117,7 +117,7 @@ impl Setup {
     }
 
     /// How pieces are labelled: as the design says, else the material for this tool, else engraved where that can be done.
-    fn label_kind(&self) -> LabelKind {
+    pub(super) fn label_kind(&self) -> LabelKind {
         let usual = if self.pairing.engrave.is_some() { LabelKind::Engrave } else { LabelKind::Map };
         let wanted = self.making.label.or_else(|| self.profile.label.for_tool(self.machine.tool.class));
         match wanted.unwrap_or(usual) {
