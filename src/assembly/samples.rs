@@ -2,9 +2,9 @@
 
 use crate::cut::{Outline, PlaneFrame};
 use crate::extrude::Span;
-use crate::fit::{FootUsed, Part, Report};
+use crate::fit::{FootUsed, Part, Report, Spent};
 use crate::geom::{P2, P3, Rect, V3};
-use crate::ruffle::{Node, Role, Ruffle, Section};
+use crate::ruffle::{Direction, Node, Role, Ruffle, Section};
 use crate::sim::{Equilibrium, Outcome};
 
 /// A part that lies where it was drawn.
@@ -27,9 +27,14 @@ pub(super) fn part_of(ruffle: Ruffle, positions: Vec<P2>) -> Part {
             strip_mass_g: 1.0,
             min_radius_mm: 10.0,
             tightest_section: 0,
+            thinnest_layer_mm: 10.0,
+            layers: 1,
+            direction: Direction::Vertical,
+            spent: Spent::default(),
             min_void_mm: 10.0,
             thinnest_void: P2::origin(),
         },
+        loads_n: Vec::new(),
         ruffle,
         equilibrium: equilibrium(positions),
     }
@@ -63,7 +68,8 @@ pub(super) fn rect_part(corners: &[P2]) -> Part {
         })
         .collect();
     let rest_lengths: Vec<f64> = corners.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
-    let sections = vec![Section { role: Role::Outer, first_segment: 0, end_segment: rest_lengths.len() }];
+    let sections =
+        vec![Section { role: Role::Outer, first_segment: 0, end_segment: rest_lengths.len(), pinned: false }];
     let foot = [walk[0], walk[1]];
     let ruffle = Ruffle { node_count: nodes.len(), walk, rest_lengths, sections, foot, densified: Default::default() };
     part_of(ruffle, nodes)
