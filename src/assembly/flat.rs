@@ -47,9 +47,7 @@ struct Number<'a> {
 pub(super) fn pages(flow: &mut Flow, job: &Book, part: &Part) {
     let title = format!("Ruffle {}: flat", part.name);
     let pieces = strip_pieces(&part.name, job.pieces);
-    let longest = pieces.iter().map(|p| p.length_mm).fold(1.0, f64::max);
-    let widest = pieces.iter().map(|p| p.width_mm).fold(1.0, f64::max);
-    let scale = (flow.width_mm() / longest).clamp(LEAST_SCALE, 1.0).min(MOST_WIDTH_MM / widest);
+    let scale = scale(flow, &pieces);
     flow.page(&title);
     let face = if job.handling.lettered { "the lettered side" } else { "the side shown here" };
     let note = format!(
@@ -61,6 +59,21 @@ pub(super) fn pages(flow: &mut Flow, job: &Book, part: &Part) {
     for piece in pieces {
         rows(flow, piece, scale, &title);
     }
+}
+
+/// Draws pieces that belong to no strip: connectors and base cards.
+pub(super) fn beside(flow: &mut Flow, pieces: &[&Piece], title: &str) {
+    let scale = scale(flow, pieces);
+    for piece in pieces {
+        rows(flow, piece, scale, title);
+    }
+}
+
+/// At which pieces are drawn below one another.
+fn scale(flow: &Flow, pieces: &[&Piece]) -> f64 {
+    let longest = pieces.iter().map(|p| p.length_mm).fold(1.0, f64::max);
+    let widest = pieces.iter().map(|p| p.width_mm).fold(1.0, f64::max);
+    (flow.width_mm() / longest).clamp(LEAST_SCALE, 1.0).min(MOST_WIDTH_MM / widest)
 }
 
 fn rows(flow: &mut Flow, piece: &Piece, scale: f64, title: &str) {

@@ -219,23 +219,28 @@ pub(super) fn after(flow: &mut Flow, job: &Book) {
         .flat_map(|part| super::joints::strip_pieces(&part.name, job.pieces))
         .map(|piece| piece.name.as_str())
         .collect();
+    let others: Vec<&Piece> = job.pieces.iter().filter(|piece| !strips.contains(&piece.name.as_str())).collect();
     flow.heading("Finish", 24.0, TITLE);
     for part in job.parts.iter().filter(|part| part.report.foot == FootUsed::Pinned) {
+        let card = format!("{}-base", part.name);
+        let on = match others.iter().any(|piece| piece.name == card) {
+            true => format!("on the marks of piece {card}"),
+            false => "to a base card".to_owned(),
+        };
         let text = format!(
-            "Glue both ends of the bottom rung of ruffle {} to a base card, {:.0} mm apart: standing free it tips or sags.",
+            "Glue both ends of the bottom rung of ruffle {} {on}, {:.0} mm apart: standing free it tips or sags.",
             part.name,
             foot_mm(part)
         );
         flow.check(&text, TITLE);
     }
-    for piece in job.pieces.iter().filter(|piece| !strips.contains(&piece.name.as_str())) {
-        let mut names: Vec<&str> = piece.drawing.paths.iter().filter_map(|p| p.joint.as_deref()).collect();
-        names.sort_unstable();
-        names.dedup();
-        let text = match names.as_slice() {
-            [] => format!("Add piece {}.", piece.name),
-            names => format!("Add piece {}: joints {}.", piece.name, names.join(", ")),
-        };
+    for piece in others.iter().filter(|piece| !piece.passages.is_empty()) {
+        let ends: Vec<&str> = piece.passages.iter().map(|p| p.joint.as_str()).collect();
+        let text = format!(
+            "See that piece {} ties joints {}: their flaps go through it last.",
+            piece.name,
+            ends.join(" and ")
+        );
         flow.check(&text, TITLE);
     }
     flow.check(
@@ -243,6 +248,10 @@ pub(super) fn after(flow: &mut Flow, job: &Book) {
         TITLE,
     );
     flow.check("Push it down gently a few times and let it come up: it settles into its shape.", TITLE);
+    if !others.is_empty() {
+        flow.heading("Pieces beside the strips", 40.0, TITLE);
+        super::flat::beside(flow, &others, TITLE);
+    }
 }
 
 /// Distance of the two points that hold a glued foot, mm.
