@@ -53,10 +53,10 @@ fn shift(draft: &mut Draft, part: usize, knot: usize, by: V2) {
     let length_mm = p.length_mm();
     let mut along_mm = 0.0;
     let last = points.len() - 1;
-    for k in 0..=last {
+    for (k, point) in points.iter_mut().enumerate() {
         let share = along_mm / length_mm;
         let near = |end: bool, away: f64| if end { smooth(1.0 - away) } else { 0.0 };
-        points[k] += by * (near(at_start, share) + near(at_end, 1.0 - share)).min(1.0);
+        *point += by * (near(at_start, share) + near(at_end, 1.0 - share)).min(1.0);
         along_mm += p.rest_mm.get(k).copied().unwrap_or(0.0);
     }
     let scale = way(&points) / drawn_mm;
