@@ -177,7 +177,11 @@ mod tests {
                     value(&x)
                 };
                 let slope = (moved(0.02) - moved(-0.02)) / 0.04;
-                assert!((slope - slopes[*node][axis]).abs() < tolerance, "node {node}: {slope} against {}", slopes[*node]);
+                assert!(
+                    (slope - slopes[*node][axis]).abs() < tolerance,
+                    "node {node}: {slope} against {}",
+                    slopes[*node]
+                );
             }
         }
     }
