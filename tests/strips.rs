@@ -139,7 +139,7 @@ fn a_design_decides_on_joints_splices_and_labels() {
     fs::write(&file, design.replacen("[mesh]", "[making]\nsplice = \"glue\"\n\n[mesh]", 1)).unwrap();
     let refused = furbelow(folder.path(), &["make", "out/design.toml"]);
     let told = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(refused.status.code() == Some(2) && told.contains("dovetail-tape"), "{told}");
+    assert!(refused.status.code() == Some(2) && told.contains("'glue'; did you mean 'lap'"), "{told}");
 }
 
 #[test]

@@ -166,6 +166,9 @@ mod tests {
         let value = |x: &[P2]| field.shortfall(&border, x, &mut vec![V2::zeros(); x.len()]);
         let mut slopes = vec![V2::zeros(); drawn.positions.len()];
         field.shortfall(&border, &drawn.positions, &mut slopes);
+        // A side of 4 mm weighs up to 12. Between grid points field and integral are interpolated apart: a side along the outline's rise is off by a few percent of that.
+        let tolerance = 0.5;
+        assert!(slopes.iter().any(|s| s.norm() > 5.0));
         for node in &border {
             for axis in 0..2 {
                 let moved = |by: f64| {
@@ -174,7 +177,11 @@ mod tests {
                     value(&x)
                 };
                 let slope = (moved(0.02) - moved(-0.02)) / 0.04;
-                assert!((slope - slopes[*node][axis]).abs() < 0.3, "node {node}: {slope} against {}", slopes[*node]);
+                assert!(
+                    (slope - slopes[*node][axis]).abs() < tolerance,
+                    "node {node}: {slope} against {}",
+                    slopes[*node]
+                );
             }
         }
     }

@@ -311,8 +311,8 @@ fn score(part: &Part, settings: &Settings) -> f64 {
         + if report.stands { 0.0 } else { TIPPING_COST }
         + CROSSING_COST * part.equilibrium.self_intersections as f64
         + COLLAPSED_COST * shortfall(report.thinnest_layer_mm, THINNEST_LAYER_MM)
-        + VOID_COST * shortfall(report.min_void_mm, settings.min_void_mm)
-        + MAKEABLE_COST * shortfall(report.min_radius_mm, settings.min_bend_radius_mm)
+        + VOID_COST * shortfall(report.min_void_mm, settings.min_void_mm).powi(2)
+        + CREASE_COST * shortfall(report.min_radius_mm, settings.min_bend_radius_mm)
 }
 
 /// Outline share that falling over outweighs: whatever stands is better.
@@ -324,8 +324,8 @@ const THINNEST_LAYER_MM: f64 = 8.0;
 /// Outline share that a layer of no thickness outweighs.
 const COLLAPSED_COST: f64 = 1.0;
 /// Outline share that a void or a bend radius of nothing outweighs.
-const MAKEABLE_COST: f64 = 0.15;
-const VOID_COST: f64 = 0.05;
+const CREASE_COST: f64 = 0.5;
+const VOID_COST: f64 = 0.5;
 
 /// Passes a solve's progress on as the search's own. A stop ends the search once something has settled; before that, the solve goes on, since there would be
 /// nothing to keep.

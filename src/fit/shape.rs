@@ -13,7 +13,7 @@ use nalgebra::DMatrix;
 /// Newton steps that a change of lengths may take to come to rest; one that takes more has thrown the strip over.
 const WARM_STEPS: usize = 30;
 /// Newton steps that a drawing may take.
-const COLD_STEPS: usize = 300;
+const COLD_STEPS: usize = 150;
 /// Unbalanced force at which a shape is judged, N: a tenth of a percent of the weight of a short section. The shape that is kept is solved to the end.
 const JUDGED_RESIDUAL_N: f64 = 1e-5;
 

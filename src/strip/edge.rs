@@ -79,20 +79,21 @@ impl Edges {
         let lower = self.rim(start..end, |s| self.at(s).0);
         let upper = self.rim(start..end, |s| self.at(s).1);
         let cut_into = |rim: Vec<P2>, upper: bool| {
-            let mut corners: Vec<Corner> = rim.into_iter().map(Corner::Rim).collect();
+            // With its place along the edge: on a slope a notch's tip lies beyond its mouth.
+            let mut corners: Vec<(f64, Corner)> = rim.into_iter().map(|p| (p.x, Corner::Rim(p))).collect();
             for notch in notches.iter().filter(|n| n.upper == upper) {
                 let [from, to] = [notch.at_mm - 0.5 * notch.width_mm, notch.at_mm + 0.5 * notch.width_mm];
-                corners.retain(|c| !matches!(c, Corner::Rim(p) if p.x > from && p.x < to));
+                corners.retain(|(s, _)| *s <= from || *s >= to);
                 let edge = |s: f64| if upper { self.at(s).1 } else { self.at(s).0 };
                 let [a, b] = [P2::new(from, edge(from)), P2::new(to, edge(to))];
                 // Square to the edge, into the strip: on a slope a notch straight across would be a step.
                 let along = (b - a).normalize();
                 let inward = if upper { V2::new(along.y, -along.x) } else { V2::new(-along.y, along.x) };
-                let own = [a, nalgebra::center(&a, &b) + inward * notch.depth_mm, b];
-                let place = corners.partition_point(|c| c.point().x <= from);
-                corners.splice(place..place, own.map(Corner::Notch));
+                let own = [a, nalgebra::center(&a, &b) + inward * notch.depth_mm, b].map(Corner::Notch);
+                let place = corners.partition_point(|(s, _)| *s <= from);
+                corners.splice(place..place, [from, notch.at_mm, to].into_iter().zip(own));
             }
-            corners
+            corners.into_iter().map(|(_, corner)| corner).collect::<Vec<Corner>>()
         };
         let tails = |line: Option<&[P2]>| {
             let inner = line.map_or(&[] as &[P2], |l| &l[1..l.len() - 1]);
