@@ -7,6 +7,7 @@ mod check;
 mod completions;
 mod connection;
 mod console;
+mod design;
 mod files;
 mod frame;
 mod home;
@@ -16,10 +17,12 @@ mod jog_keys;
 mod machine;
 mod machine_probe;
 mod make;
+mod order;
 mod output;
 mod ports;
 mod preview;
 mod profile;
+mod screen;
 mod send;
 mod talk;
 
@@ -42,6 +45,9 @@ pub struct Cli {
 pub enum Command {
     /// Turn a shape into sheets of pieces: drawings, G-code and pictures
     Make(make::Args),
+    /// Design files: make one, look at its parts, change how dense they are
+    #[command(subcommand)]
+    Design(design::Command),
     /// Check G-code, of this or another program, against a machine: reach, power, feeds, time
     Check(check::Args),
     /// Look at what a machine will do with a G-code file: a page that plays it, or a picture
@@ -73,6 +79,7 @@ impl Command {
     pub fn run(self) -> Result<(), Failure> {
         match self {
             Command::Make(args) => make::run(args),
+            Command::Design(command) => design::run(command),
             Command::Check(args) => check::run(&args),
             Command::Preview(args) => preview::run(args),
             Command::Send(args) => send::run(&args),
@@ -147,6 +154,12 @@ impl From<crate::config::Error> for Failure {
     fn from(error: crate::config::Error) -> Failure {
         let exit = if error.refuses_job() { Exit::Refused } else { Exit::Config };
         Failure { exit, source: error.into() }
+    }
+}
+
+impl From<crate::design::Error> for Failure {
+    fn from(error: crate::design::Error) -> Failure {
+        Failure::config(error)
     }
 }
 

@@ -80,7 +80,10 @@ pub(super) fn read_argument(argument: &str) -> Result<Option<(&'static str, Stri
 /// A number without trailing zeros: 297, 0.15.
 pub(super) fn number(value: f64) -> String {
     let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    match text.trim_end_matches('0').trim_end_matches('.') {
+        "-0" => "0".to_owned(),
+        short => short.to_owned(),
+    }
 }
 
 #[cfg(test)]
@@ -95,6 +98,6 @@ mod tests {
 
     #[test]
     fn numbers_drop_what_says_nothing() {
-        assert_eq!([297.0, 0.15, 0.0004, 100.0].map(number), ["297", "0.15", "0", "100"]);
+        assert_eq!([297.0, 0.15, -0.0004, 100.0].map(number), ["297", "0.15", "0", "100"]);
     }
 }

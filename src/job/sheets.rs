@@ -5,7 +5,7 @@ use super::stock;
 use super::strips::Strips;
 use super::{Error, Order, SheetLabel};
 use crate::config::Grain;
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, Operation};
 use crate::gcode::{self, Header, Move, Program};
 use crate::geom::tolerance;
 use crate::nest::{self, Item, Layout};
@@ -87,7 +87,12 @@ fn program(
     order: &Order,
 ) -> Result<CutSheet, Error> {
     let sheet = || file.clone();
-    let toolpath = toolpath::plan(&drawings, layout.width_mm, layout.height_mm, &setup.toolpath())
+    let settings = setup.toolpath();
+    let made_here: Vec<Drawing> = match settings.engrave {
+        Some(_) => drawings.clone(),
+        None => drawings.iter().map(|d| d.without(Operation::Engrave)).collect(),
+    };
+    let toolpath = toolpath::plan(&made_here, layout.width_mm, layout.height_mm, &settings)
         .map_err(|source| Error::Toolpath { sheet: sheet(), source })?;
     let write = |header: &Header| {
         gcode::emit(&toolpath, header, &setup.dialect()).map_err(|source| Error::Gcode { sheet: sheet(), source })
@@ -118,7 +123,7 @@ fn header(
     let (width_mm, height_mm) = (toolpath.width_mm, toolpath.height_mm);
     let sheet = SheetLabel { number, of: count, stock: stock.to_owned(), width_mm, height_mm };
     let mut entries = vec![
-        ("job", order.name()),
+        ("job", order.name.clone()),
         ("design", order.hash()),
         ("sheet", sheet.to_string()),
         ("machine", setup.machine.name.clone()),

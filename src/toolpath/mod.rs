@@ -15,7 +15,7 @@ mod settings;
 pub use error::Error;
 pub use settings::{Air, Process, Settings};
 
-use crate::drawing::{Drawing, Operation, Role};
+use crate::drawing::{Drawing, DrawnPath, KerfSide, Operation, Role};
 use crate::geom::{P2, Path, Rect};
 
 /// One run of the tool along a curve.
@@ -80,6 +80,20 @@ impl Toolpath {
     }
 }
 
+/// A drawing with the kerf in it: every path moved to its waste side by half of `kerf_mm`, for programs that follow lines as they are. Kerf sides are all
+/// [`KerfSide::On`] afterwards.
+///
+/// # Errors
+/// A path that the kerf cannot be made up for, with its piece and role.
+pub fn compensated(drawing: &Drawing, kerf_mm: f64) -> Result<Drawing, Error> {
+    let moved = |drawn: &DrawnPath| {
+        let path = kerf::compensate(drawn, &drawing.name, kerf_mm)?.path;
+        Ok(DrawnPath { path, kerf: KerfSide::On, ..drawn.clone() })
+    };
+    let paths = drawing.paths.iter().map(moved).collect::<Result<Vec<DrawnPath>, Error>>()?;
+    Ok(Drawing { name: drawing.name.clone(), paths })
+}
+
 /// Plans one sheet of `width_mm` x `height_mm` from drawings placed on it.
 ///
 /// # Errors
@@ -125,8 +139,6 @@ pub fn plan(drawings: &[Drawing], width_mm: f64, height_mm: f64, settings: &Sett
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drawing::{DrawnPath, KerfSide};
-    use crate::geom::Path;
     use proptest::prelude::*;
 
     fn settings() -> Settings {
