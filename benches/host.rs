@@ -171,7 +171,7 @@ mod link {
             for byte in &buffer[..n] {
                 match byte {
                     b'\n' => said.extend(b"ok\r\n"),
-                    b'?' => said.extend(b"<Idle|MPos:0.000,0.000,0.000|Bf:15,128|FS:0,0|WCO:0.000,0.000,0.000>\r\n"),
+                    b'?' => said.extend(b"<Idle|Bf:15,128|FS:0,0>\r\n"),
                     _ => {}
                 }
             }

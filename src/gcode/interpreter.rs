@@ -70,6 +70,13 @@ impl Interpreter {
         self.tracer.position = position_mm;
     }
 
+    /// The machine is found somewhere, with work zero of the offset in effect somewhere: all that makes it up, G92 too, is in `origin_mm`.
+    pub fn find(&mut self, position_mm: P3, origin_mm: V3) {
+        let t = &mut self.tracer;
+        (t.position, t.shift, t.tool_length_mm) = (position_mm, V3::zeros(), 0.0);
+        t.offsets[t.offset] = origin_mm;
+    }
+
     /// Where the program's zero lies: offset, G92 and tool length, mm.
     pub fn origin(&self) -> V3 {
         self.tracer.origin()

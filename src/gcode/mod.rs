@@ -38,7 +38,7 @@ pub use finding::Finding;
 pub use interpreter::{Interpreter, Modal};
 pub use lines::read_lines;
 pub use moves::{Action, Beam, Move};
-pub use parse::{ParseError, parse};
+pub use parse::{ParseError, parse, parse_line};
 pub use planner::{Held, Limits, Planner, Stretch};
 pub use problem::{TraceError, TraceProblem};
 pub use program::{Line, Program, Word};

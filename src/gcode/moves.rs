@@ -99,6 +99,24 @@ impl Move {
         }
     }
 
+    /// The share of the way at which it comes nearest to a point, and how far off the point is, mm. Of places equally near the first counts.
+    pub fn nearest(&self, p: P3) -> (f64, f64) {
+        let way = self.to - self.from;
+        let between = match self.action {
+            Action::Arc { center, sweep_rad, .. } => {
+                let (start, there) = (self.from.xy() - center, p.xy() - center);
+                let turned = cross(start, there).atan2(start.dot(&there)) * sweep_rad.signum();
+                turned.rem_euclid(std::f64::consts::TAU) / sweep_rad.abs()
+            }
+            _ if way.norm_squared() > 0.0 => (p - self.from).dot(&way) / way.norm_squared(),
+            _ => 0.0,
+        };
+        let off = |t: f64| (self.point_at(t) - p).norm();
+        let inside = (0.0..1.0).contains(&between).then_some(between);
+        let places = [Some(0.0), inside, Some(1.0)].into_iter().flatten().map(|t| (t, off(t)));
+        places.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, off(0.0)))
+    }
+
     /// The smallest box in the XY plane around the way, mm, arcs as far as they bulge.
     pub fn bounds(&self) -> Rect {
         let mut bounds = Rect::EMPTY.with(self.from.xy()).with(self.to.xy());
@@ -136,6 +154,22 @@ mod tests {
         assert!((three_quarters.min - P2::new(-2.0, -2.0)).norm() < 1e-9);
         assert!((upper.length_mm() - 2.0 * PI).abs() < 1e-12);
         assert!((upper.point_at(0.5) - P3::new(0.0, 2.0, 0.0)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn the_nearest_place_of_a_way_is_on_it() {
+        let line = Move { action: Action::Line, to: P3::new(2.0, 4.0, 0.0), ..arc(1.0) };
+        let near = |m: &Move, x: f64, y: f64| m.nearest(P3::new(x, y, 0.0));
+        assert_eq!(near(&line, 3.0, 1.0), (0.25, 1.0));
+        assert_eq!(near(&line, 2.0, 9.0), (1.0, 5.0));
+        let half = arc(PI);
+        let (t, off) = near(&half, 0.0, 3.0);
+        assert!((t - 0.5).abs() < 1e-12 && (off - 1.0).abs() < 1e-12);
+        assert_eq!(near(&half, 2.0, -1.0), (0.0, 1.0), "behind its start");
+        let (t, off) = near(&arc(-PI), 0.0, -2.5);
+        assert!((t - 0.5).abs() < 1e-12 && (off - 0.5).abs() < 1e-12);
+        let around = arc(2.0 * PI);
+        assert_eq!(near(&around, 2.5, 0.0), (0.0, 0.5), "of start and end of a full circle the start");
     }
 
     #[test]

@@ -13,6 +13,8 @@ pub struct Board {
     pub version: String,
     /// Moves its planner holds.
     pub blocks: usize,
+    /// It has told how many these are; otherwise it is the most that a report had free.
+    pub blocks_told: bool,
     /// Bytes its receive buffer holds.
     pub rx_bytes: usize,
     /// Its settings `$n`, by number, in the board's own units.
@@ -21,6 +23,8 @@ pub struct Board {
     pub offset_mm: Option<[f64; 3]>,
     /// It has been homed since it was opened, with this session.
     pub homed: bool,
+    /// It started anew when its port was opened, or later: it takes where the head stood then for machine zero until it is homed.
+    pub restarted: bool,
 }
 
 impl Default for Board {
@@ -29,10 +33,12 @@ impl Default for Board {
             firmware: Firmware::Grbl,
             version: String::new(),
             blocks: 15,
+            blocks_told: false,
             rx_bytes: 128,
             settings: BTreeMap::new(),
             offset_mm: None,
             homed: false,
+            restarted: false,
         }
     }
 }
@@ -49,6 +55,11 @@ impl Board {
             Firmware::GrblHal => self.rx_bytes - 1,
             Firmware::Grbl | Firmware::FluidNc => self.rx_bytes,
         }
+    }
+
+    /// Blocks that may be under way at most: those of the planner, and those that have left it and are being stepped.
+    pub(super) fn open_blocks(&self) -> usize {
+        self.blocks + self.firmware.segments()
     }
 
     /// Reports come in inches ($13).

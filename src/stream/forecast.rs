@@ -99,7 +99,7 @@ mod tests {
     }
 
     fn progress(executed: usize, acked: usize) -> Progress {
-        Progress { sent: acked, acked, executed }
+        Progress { sent: acked, acked, executed, reached: None }
     }
 
     /// Ten lines of 10 s each.

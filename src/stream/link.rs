@@ -233,7 +233,7 @@ mod tests {
                     }
                     b'?' => {
                         let state = if wire.held { "Hold:0" } else { "Idle" };
-                        let report = format!("<{state}|MPos:0,0,0|Bf:15,128|FS:0,0|WCO:0,0,0>\r\n");
+                        let report = format!("<{state}|Bf:15,128|FS:0,0>\r\n");
                         wire.to_say.extend(report.bytes());
                     }
                     b'!' => wire.held = true,

@@ -15,11 +15,13 @@
 
 mod advice;
 mod board;
+mod course;
 mod emulated;
 mod event;
 mod forecast;
 mod frame;
 mod jog;
+mod journal;
 mod ledger;
 mod link;
 mod overrides;
@@ -43,7 +45,8 @@ pub use event::{Action, Command, Ending, Event, Lines, Outcome};
 pub use forecast::{Forecast, Outlook};
 pub use frame::{Extent, Frame, Tracing};
 pub use jog::within_travel;
-pub use ledger::Progress;
+pub use journal::{Head, Journal, JournalError, Mark, Note, Record, Recorder, Standing};
+pub use ledger::{Progress, Reached};
 pub use link::Link;
 pub use plan::{Plan, Planned};
 pub use port::{Address, Listed, OpenError, Port, list_ports};

@@ -36,6 +36,10 @@ pub(super) enum Reply {
     Firmware(Firmware),
     /// `[MSG:...]`.
     Message(String),
+    /// `[GC:...]` of `$G`: the modes in effect, as words.
+    Modes(String),
+    /// `>LINE:ok`: a line the board keeps has been carried out.
+    Startup(String),
     /// Any other answer, for people.
     Text(String),
 }
@@ -47,6 +51,16 @@ impl Firmware {
             Firmware::Grbl => "GRBL",
             Firmware::GrblHal => "grblHAL",
             Firmware::FluidNc => "FluidNC",
+        }
+    }
+
+    /// Segments it may still be stepping after their block has left the planner, each of another block at worst: the places of its segment buffer but
+    /// one (SEGMENT_BUFFER_SIZE is 6 in GRBL's stepper.h and 10 in grblHAL's; FluidNC's configuration says 12).
+    pub(super) fn segments(self) -> usize {
+        match self {
+            Firmware::Grbl => 5,
+            Firmware::GrblHal => 9,
+            Firmware::FluidNc => 11,
         }
     }
 
@@ -81,6 +95,8 @@ impl Reply {
             banner
         } else if let Some(setting) = line.strip_prefix('$') {
             setting_of(setting).unwrap_or_else(text)
+        } else if let Some(startup) = line.strip_prefix('>').and_then(|l| l.strip_suffix(":ok")) {
+            Reply::Startup(startup.to_owned())
         } else if let Some(inside) = line.strip_prefix('[').and_then(|l| l.strip_suffix(']')) {
             bracketed(inside).unwrap_or_else(text)
         } else {
@@ -115,6 +131,7 @@ fn bracketed(inside: &str) -> Option<Reply> {
     let (key, value) = inside.split_once(':')?;
     match key {
         "MSG" => Some(Reply::Message(value.to_owned())),
+        "GC" => Some(Reply::Modes(value.to_owned())),
         "FIRMWARE" if value == "grblHAL" => Some(Reply::Firmware(Firmware::GrblHal)),
         "VER" => Some(Reply::Version(value.trim_end_matches(':').to_owned())),
         "OPT" => {
@@ -138,7 +155,8 @@ mod tests {
     fn only_ok_and_error_answer_a_line() {
         assert_eq!(read("ok\r"), Some(Reply::Ok));
         assert_eq!(read("error:20"), Some(Reply::Error(20)));
-        for text in [">G54G20:ok", "okok", "o", "eror:9", "error:x", "k"] {
+        assert_eq!(read(">G54G20:ok"), Some(Reply::Startup("G54G20".into())));
+        for text in ["okok", "o", "eror:9", "error:x", "k"] {
             assert_eq!(read(text), Some(Reply::Text(text.into())), "{text}");
         }
         assert_eq!(read("  "), None);

@@ -68,6 +68,14 @@ pub enum Trouble {
         /// Work coordinates, mm.
         found_mm: [f64; 2],
     },
+    /// The head has left the way the program should take.
+    #[error("the head is {off_mm:.2} mm off the way of line {line}: a line was garbled on the way to the board, and what was cut since is wrong; look at it before you go on")]
+    OffPlan {
+        /// How far from the nearest place of the lines under way, mm.
+        off_mm: f64,
+        /// The line it is nearest to, from 1.
+        line: usize,
+    },
     /// A byte that must not be sent.
     #[error("line {line}: {found:?} would be taken for a real-time command or garbled; take it out")]
     Unsendable {
@@ -108,4 +116,18 @@ pub enum Trouble {
         /// Why.
         reason: String,
     },
+}
+
+impl Trouble {
+    /// True when something else may have been cut than was planned.
+    pub fn damages(&self) -> bool {
+        matches!(
+            self,
+            Trouble::OffPlan { .. }
+                | Trouble::WrongPlace { .. }
+                | Trouble::Refused { .. }
+                | Trouble::ExtraAnswer
+                | Trouble::LostAnswer { .. }
+        )
+    }
 }

@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use super::course::Effect;
+
 /// What an unanswered line is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -20,6 +22,8 @@ pub(super) struct Entry {
     pub(super) alone: bool,
     /// How long the machine stands before it answers, s.
     pub(super) dwell_s: f64,
+    /// What a line of the job makes the board do.
+    pub(super) effect: Effect,
 }
 
 impl Entry {
@@ -102,7 +106,7 @@ mod tests {
             for (i, step) in steps.into_iter().enumerate() {
                 match step {
                     Some(chars) if window.has_room(chars, rx_bytes) => {
-                        window.push(Entry { text: "X".repeat(chars), kind: Kind::Job(i), alone: false, dwell_s: 0.0 });
+                        window.push(Entry { text: "X".repeat(chars), kind: Kind::Job(i), alone: false, dwell_s: 0.0, effect: Effect::default() });
                         model.push_back(chars + 1);
                     }
                     Some(chars) => prop_assert!(model.iter().sum::<usize>() + chars + 1 > rx_bytes),

@@ -183,7 +183,7 @@ impl Teller {
     fn event(&self, event: &str, more: Value) -> Result<(), Failure> {
         let status = self.status.as_ref();
         let place = |axis: usize| Some(status?.work_mm?[axis]);
-        let Progress { sent, acked, executed } = self.progress;
+        let Progress { sent, acked, executed, .. } = self.progress;
         let mut object = json!({
             "t_s": thousandths(self.now().as_secs_f64()), "event": event,
             "sheet": self.sheet.0, "sheets": self.sheet.1,

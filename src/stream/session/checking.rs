@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use super::sending::read_on;
 use super::{Job, Session};
+use crate::stream::course::Effect;
 use crate::stream::event::{Action, Event, Lines, Outcome};
 use crate::stream::sendable::Sendable;
 use crate::stream::status::State;
@@ -97,7 +98,7 @@ impl Session {
     /// The board has refused a line, and reads on.
     pub(super) fn refused_in_check(&mut self, line: usize, trouble: Trouble) {
         if let Some(job) = &mut self.job {
-            job.ledger.accepted(line, 0);
+            job.ledger.accepted(line, Effect { blocks: 0, rests: true }, 0);
             if let Some(check) = &mut job.check {
                 check.refused += 1;
             }
@@ -117,7 +118,7 @@ impl Session {
     /// The board has come back.
     pub(super) fn finish_check(&mut self) {
         let Some(job) = &mut self.job else { return };
-        job.ledger.resting(0);
+        job.ledger.agreed();
         let refused = job.check.as_ref().map_or(0, |check| check.refused);
         self.finish_at_rest(match refused {
             0 => Outcome::Done,

@@ -9,6 +9,8 @@
 //! Time is what callers say it is: a [`Duration`] since any moment of their choice, never running backwards.
 
 mod checking;
+mod modes;
+mod place;
 mod replies;
 #[cfg(test)]
 mod scripted;
@@ -22,6 +24,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use super::board::Board;
+use super::course::Course;
 use super::event::{Action, Command, Event, Lines};
 use super::ledger::{Ledger, Progress};
 use super::overrides::Overrides;
@@ -30,6 +33,7 @@ use super::sendable::Sendable;
 use super::status::{State, Status};
 use super::trouble::Trouble;
 use super::window::Window;
+use crate::gcode::Interpreter;
 
 /// A line of a board's that is longer is noise: the longest real one, `$` help, has under 200 bytes.
 const MAX_LINE_BYTES: usize = 1024;
@@ -94,6 +98,7 @@ struct Job {
     check: Option<checking::Checking>,
     ends_at_mm: Option<[f64; 2]>,
     ledger: Ledger,
+    course: Course,
 }
 
 /// Talks to one board.
@@ -102,6 +107,8 @@ pub struct Session {
     phase: Phase,
     board: Board,
     status: Option<Status>,
+    /// The modes in effect; `None` when they are not known.
+    modes: Option<Interpreter>,
     /// The beginning of a line that has not come whole.
     partial: Vec<u8>,
     window: Window,
@@ -133,6 +140,7 @@ impl Session {
             phase: Phase::Opening { since: now, probed: None },
             board: Board::default(),
             status: None,
+            modes: None,
             partial: Vec::new(),
             window: Window::default(),
             alone: VecDeque::new(),
@@ -307,7 +315,10 @@ impl Session {
         self.idle_since = None;
         self.rest_reports = 0;
         let ledger = Ledger::default();
-        self.job = Some(Job { lines, number: 0, next: None, read: false, closed: false, check, ends_at_mm, ledger });
+        let modes = self.modes.as_ref().filter(|_| check.is_none());
+        let course = Course::new(modes, self.status.as_ref().and_then(|s| s.machine_mm), &self.board);
+        self.job =
+            Some(Job { lines, number: 0, next: None, read: false, closed: false, check, ends_at_mm, ledger, course });
     }
 
     fn state(&self) -> Option<State> {

@@ -1,6 +1,6 @@
 //! What comes in.
 
-use super::{Phase, Session};
+use super::{Phase, Session, modes};
 use crate::stream::advice::is_critical;
 use crate::stream::event::Event;
 use crate::stream::reply::{Firmware, Reply};
@@ -26,7 +26,7 @@ impl Session {
                 self.tell(Event::Text(line.trim().to_owned()));
             }
             Reply::Buffers { blocks, bytes } if blocks > 0 && bytes > 1 => {
-                (self.board.blocks, self.board.rx_bytes) = (blocks, bytes);
+                (self.board.blocks, self.board.rx_bytes, self.board.blocks_told) = (blocks, bytes, true);
                 self.tell(Event::Text(line.trim().to_owned()));
             }
             Reply::Version(version) => {
@@ -41,6 +41,14 @@ impl Session {
                 self.tell(Event::Text(line.trim().to_owned()));
             }
             Reply::Message(message) => self.tell(Event::Message(message)),
+            Reply::Modes(words) => {
+                self.modes = modes::told(&words);
+                self.tell(Event::Text(line.trim().to_owned()));
+            }
+            Reply::Startup(startup) => {
+                self.obeyed(&startup);
+                self.tell(Event::Text(line.trim().to_owned()));
+            }
             Reply::Buffers { .. } | Reply::Text(_) => self.tell(Event::Text(line.trim().to_owned())),
         }
     }
@@ -67,9 +75,9 @@ impl Session {
         match (entry.kind, error) {
             (Kind::Order, error) => self.on_order_answered(entry.text, error),
             (Kind::Job(number), None) => {
-                let blocks = self.board.blocks;
+                let most = self.board.open_blocks();
                 if let Some(job) = &mut self.job {
-                    job.ledger.accepted(number, blocks);
+                    job.ledger.accepted(number, entry.effect, most);
                 }
             }
             (Kind::Job(line), Some(code)) => {
@@ -87,7 +95,10 @@ impl Session {
 
     fn on_order_answered(&mut self, line: String, error: Option<u16>) {
         if line == "$H" && error.is_none() {
-            self.board.homed = true;
+            (self.board.homed, self.board.restarted) = (true, false);
+        }
+        if error.is_none() {
+            self.obeyed(&line);
         }
         let check_refused = error.is_some() && self.is_checking();
         self.tell(Event::Answered { line, error });
@@ -131,13 +142,17 @@ impl Session {
         self.idle_since = None;
         self.rest_reports = 0;
         self.status = None;
+        self.modes = Some(modes::at_start());
         match self.phase {
-            Phase::Opening { .. } | Phase::Asking | Phase::Lost => self.ask(),
+            Phase::Opening { .. } | Phase::Asking | Phase::Lost => {
+                self.board.restarted = true;
+                self.ask();
+            }
             Phase::Stopping(_) => self.finish_stop(true),
             Phase::Ready if self.leaves_check() => self.finish_check(),
             Phase::Ready if self.job.is_some() => {
                 self.tell(Event::Trouble(Trouble::Restarted));
-                self.board.homed = false;
+                (self.board.homed, self.board.restarted) = (false, true);
                 // Lines that were on the wire when it started anew are carried out by a board that knows nothing of what came before them.
                 self.reset_for(Some(Trouble::Restarted));
             }
@@ -159,6 +174,7 @@ impl Session {
             self.overrides.reported(told);
         }
         self.count_rest(&status);
+        let departure = self.locate(&status);
         let progress = self.progress();
         let state = status.state;
         self.status = Some(status.clone());
@@ -166,6 +182,7 @@ impl Session {
         match self.phase {
             Phase::Stopping(_) => self.on_status_while_stopping(state),
             Phase::Ready if self.job.is_some() => match state {
+                _ if departure.is_some() => departure.into_iter().for_each(|trouble| self.fail(trouble)),
                 State::Alarm => {
                     self.tell(Event::Trouble(Trouble::Locked));
                     self.reset_for(Some(Trouble::Locked));
@@ -183,7 +200,7 @@ impl Session {
 
     /// What a report says about lines carried out, and about rest.
     fn count_rest(&mut self, status: &Status) {
-        if let Some((free, _)) = status.free {
+        if let Some((free, _)) = status.free.filter(|_| !self.board.blocks_told) {
             // A board that does not tell its planner's size has at least as many places as are free.
             self.board.blocks = self.board.blocks.max(free);
         }
@@ -195,13 +212,13 @@ impl Session {
         } else {
             self.idle_since.get_or_insert(self.now);
         }
-        let rested = self.rested();
+        let (rested, segments) = (self.rested(), self.board.firmware.segments());
         if let Some(job) = &mut self.job {
             match used {
                 _ if rested => job.ledger.agreed(),
-                Some(used) if status.state == State::Hold(0) => job.ledger.resting(used),
+                Some(used) if status.state == State::Hold(0) => job.ledger.reported(used),
                 // An alarm empties the planner.
-                Some(used) if status.state != State::Alarm => job.ledger.moving(used),
+                Some(used) if status.state != State::Alarm => job.ledger.reported(used + segments),
                 _ => {}
             }
         }

@@ -165,6 +165,8 @@ impl Board {
             }
             "$$" => self.say("$30=1000"),
             "$#" => self.say("error:7"),
+            // It stands still whatever it is told: after an arc nobody can follow it, and nobody tries.
+            "$G" => self.say("[GC:G2 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]"),
             _ if self.state == State::Alarm && line != "$X" => return self.say("error:9"),
             "$X" => self.state = State::Idle,
             _ => {}

@@ -2,6 +2,7 @@
 
 use super::checking::read_on_checking;
 use super::{Job, Phase, Session};
+use crate::stream::course::Effect;
 use crate::stream::event::{Action, Event, Outcome};
 use crate::stream::sendable::{Sendable, sendable};
 use crate::stream::status::State;
@@ -55,14 +56,24 @@ impl Session {
         let trouble = loop {
             match self.next_line() {
                 Ok(Some((kind, line))) => {
-                    if let (Kind::Job(number), Some(job)) = (kind, &mut self.job) {
-                        job.ledger.sent(number);
-                    }
+                    let effect = match (kind, &mut self.job) {
+                        (Kind::Job(number), Some(job)) => {
+                            job.ledger.sent(number);
+                            job.course.sent(number, &line.text)
+                        }
+                        _ => Effect::default(),
+                    };
                     bytes.extend(line.text.bytes());
                     bytes.push(b'\n');
                     self.rest_reports = 0;
                     self.idle_since = None;
-                    self.window.push(Entry { text: line.text, kind, alone: line.alone, dwell_s: line.dwell_s });
+                    self.window.push(Entry {
+                        text: line.text,
+                        kind,
+                        alone: line.alone,
+                        dwell_s: line.dwell_s,
+                        effect,
+                    });
                 }
                 Ok(None) => break None,
                 Err(trouble) => break Some(trouble),
@@ -107,6 +118,7 @@ impl Session {
                     Some(check) => check.leave(self.now),
                     None => DARK,
                 };
+                job.course.sent(job.number, last);
                 Ok(Some(by_itself(last.to_owned())))
             }
         }

@@ -8,8 +8,9 @@ use crate::stream::realtime;
 use crate::stream::status::State;
 use crate::stream::trouble::Trouble;
 
-/// Reports of idleness after the hold was sent that are believed: the first may have been under way before the board read it.
-const IDLE_REPORTS: u32 = 2;
+/// Reports of rest after the hold was sent that are believed: a first one of idleness may have been under way before the board read it, and what a
+/// single one tells of the place may be garbled.
+const REST_REPORTS: u32 = 2;
 
 /// How long a board may take to come back after a reset.
 const RESET_WAIT: Duration = Duration::from_secs(3);
@@ -24,7 +25,7 @@ pub(super) struct Stopping {
     reset: bool,
     /// It was sent at rest, and no alarm followed.
     pub(super) clean: bool,
-    idle_reports: u32,
+    rest_reports: u32,
 }
 
 impl Session {
@@ -57,7 +58,7 @@ impl Session {
         self.byte(realtime::HOLD);
         self.polled = None;
         self.phase =
-            Phase::Stopping(Stopping { trouble, since: self.now, reset: false, clean: false, idle_reports: 0 });
+            Phase::Stopping(Stopping { trouble, since: self.now, reset: false, clean: false, rest_reports: 0 });
     }
 
     /// Resets without waiting for rest.
@@ -68,7 +69,7 @@ impl Session {
         }
         let clean = self.state().is_some_and(|state| matches!(state, State::Hold(0) | State::Door(0 | 1)));
         self.byte(realtime::RESET);
-        self.phase = Phase::Stopping(Stopping { trouble, since: self.now, reset: true, clean, idle_reports: 0 });
+        self.phase = Phase::Stopping(Stopping { trouble, since: self.now, reset: true, clean, rest_reports: 0 });
     }
 
     pub(super) fn on_status_while_stopping(&mut self, state: State) {
@@ -76,10 +77,17 @@ impl Session {
         if stopping.reset {
             return;
         }
-        stopping.idle_reports += u32::from(state == State::Idle);
         let rests = match state {
-            State::Hold(0) | State::Door(0 | 1) | State::Check | State::Sleep | State::Alarm => true,
-            State::Idle => stopping.idle_reports >= IDLE_REPORTS,
+            State::Check | State::Sleep | State::Alarm => true,
+            State::Hold(0) | State::Door(0 | 1) | State::Idle => {
+                stopping.rest_reports += 1;
+                let believed = stopping.rest_reports >= REST_REPORTS;
+                if !believed {
+                    // At rest nothing is gained by waiting.
+                    self.polled = None;
+                }
+                believed
+            }
             _ => false,
         };
         if rests {
@@ -128,7 +136,11 @@ impl Session {
     }
 
     fn end(&mut self, outcome: Outcome, position_kept: bool, beam_off: bool) {
-        let progress = self.job.take().map(|job: Job| job.ledger.progress()).unwrap_or_default();
+        let job = self.job.take();
+        let progress = job.as_ref().map(|job| job.ledger.progress()).unwrap_or_default();
+        if let Some(Job { course, check: None, .. }) = job.filter(|_| outcome == Outcome::Done) {
+            self.modes = course.modes();
+        }
         // Lines that were sent may have been read until the very end, whether or not their answers came.
         let maybe = if outcome == Outcome::Done { progress.executed } else { progress.sent };
         self.window.clear();

@@ -147,6 +147,7 @@ fn a_dwell_is_no_lost_answer() {
         kind: super::super::window::Kind::Job(1),
         alone: false,
         dwell_s: 2.0,
+        effect: Default::default(),
     });
     bench.send(Vec::new());
     let end = bench.now_ms + 2_500;

@@ -1,0 +1,154 @@
+//! Writes a job down while it is sent.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use sha2::{Digest, Sha256};
+
+use super::error::{JournalError, at};
+use super::head::{Head, hexadecimal};
+use super::note::{Mark, Note};
+use super::{HEAD, LOCK, LOG, PROGRAM, sync_folder};
+use crate::stream::Progress;
+
+/// A log larger than this is written anew, bytes: some 400 notes, a minute's.
+const LOG_BYTES: u64 = 65_536;
+
+/// Notes other than of progress that are kept: a job has a handful.
+const KEPT_NOTES: usize = 100;
+
+/// Progress is forced to the disk so often.
+const SYNC_EVERY: Duration = Duration::from_secs(5);
+
+/// A job that is being written down. Its lock is let go of with it.
+#[derive(Debug)]
+pub struct Recorder {
+    number: u32,
+    folder: PathBuf,
+    log: File,
+    bytes: u64,
+    /// Notes other than of progress.
+    kept: Vec<String>,
+    synced: Instant,
+    _lock: File,
+}
+
+impl Recorder {
+    pub(super) fn begin(
+        number: u32,
+        folder: PathBuf,
+        mut head: Head,
+        lines: impl Iterator<Item = io::Result<String>>,
+    ) -> Result<Recorder, JournalError> {
+        let lock_path = folder.join(LOCK);
+        let lock = File::create(&lock_path).map_err(at(&lock_path))?;
+        // Nobody else knows the folder yet; a file system without locks only shows a running job as an interrupted one.
+        let _ = lock.try_lock();
+        let program = folder.join(PROGRAM);
+        (head.lines, head.program_sha256) = copy(lines, &program).map_err(at(&program))?;
+        let log_path = folder.join(LOG);
+        let log = OpenOptions::new().create(true).append(true).open(&log_path).map_err(at(&log_path))?;
+        let mut recorder =
+            Recorder { number, folder, log, bytes: 0, kept: Vec::new(), synced: Instant::now(), _lock: lock };
+        recorder.note(&Note::new(Mark::Begun, 0.0, Progress::default()))?;
+        let text = serde_json::to_string_pretty(&head).map_err(|e| JournalError::Garbled {
+            path: recorder.folder.join(HEAD),
+            reason: e.to_string(),
+        })?;
+        recorder.replace(HEAD, text.as_bytes())?;
+        Ok(recorder)
+    }
+
+    /// The number of the job.
+    pub fn number(&self) -> u32 {
+        self.number
+    }
+
+    /// The copy of the program that is to be sent.
+    pub fn program(&self) -> PathBuf {
+        self.folder.join(PROGRAM)
+    }
+
+    /// Adds a note. All but those of progress are on the disk when this returns.
+    ///
+    /// # Errors
+    /// The disk is full or gone.
+    pub fn note(&mut self, note: &Note) -> Result<(), JournalError> {
+        let path = self.folder.join(LOG);
+        // Numbers that are none become null, and nothing else in a note can fail.
+        let text = serde_json::to_string(note)
+            .map_err(|e| JournalError::Garbled { path: path.clone(), reason: e.to_string() })?;
+        let line = text + "\n";
+        if self.bytes + line.len() as u64 > LOG_BYTES {
+            self.compact()?;
+        }
+        // In one call, so that no other end than a loss of power tears it.
+        self.log.write_all(line.as_bytes()).map_err(at(&path))?;
+        self.bytes += line.len() as u64;
+        if !note.is_passing() && self.kept.len() < KEPT_NOTES {
+            self.kept.push(line);
+        }
+        if !note.is_passing() || self.synced.elapsed() >= SYNC_EVERY {
+            self.log.sync_data().map_err(at(&path))?;
+            self.synced = Instant::now();
+        }
+        Ok(())
+    }
+
+    /// Begins the log anew with what is worth keeping. The note that is written next says how far the job is.
+    fn compact(&mut self) -> Result<(), JournalError> {
+        let path = self.folder.join(LOG);
+        let last = fs::read_to_string(&path).map_err(at(&path))?;
+        let mut text = self.kept.concat();
+        text.extend(last.lines().last().map(|line| format!("{line}\n")));
+        self.replace(LOG, text.as_bytes())?;
+        self.log = OpenOptions::new().append(true).open(&path).map_err(at(&path))?;
+        self.bytes = text.len() as u64;
+        Ok(())
+    }
+
+    /// Puts a file in its place whole, or not at all.
+    fn replace(&self, name: &str, bytes: &[u8]) -> Result<(), JournalError> {
+        let (path, fresh) = (self.folder.join(name), self.folder.join(format!("{name}.new")));
+        let write = || {
+            let mut file = File::create(&fresh)?;
+            file.write_all(bytes)?;
+            file.sync_all()?;
+            fs::rename(&fresh, &path)
+        };
+        write().map_err(at(&path))?;
+        sync_folder(&self.folder);
+        Ok(())
+    }
+}
+
+/// Adds a note to a job nobody writes any more.
+pub(super) fn append(folder: &Path, note: &Note) -> Result<(), JournalError> {
+    let path = folder.join(LOG);
+    let write = || {
+        // A torn last line must not run into this one.
+        let text = fs::read_to_string(&path)?;
+        let mut log = OpenOptions::new().append(true).open(&path)?;
+        let line = serde_json::to_string(note)?;
+        let gap = if text.is_empty() || text.ends_with('\n') { "" } else { "\n" };
+        log.write_all(format!("{gap}{line}\n").as_bytes())?;
+        log.sync_data()
+    };
+    write().map_err(at(&path))
+}
+
+/// Copies a program; tells how many lines it has, and its hash.
+fn copy(lines: impl Iterator<Item = io::Result<String>>, path: &Path) -> io::Result<(usize, String)> {
+    let mut file = BufWriter::new(File::create(path)?);
+    let (mut count, mut hash) = (0, Sha256::new());
+    for line in lines {
+        let line = line? + "\n";
+        hash.update(&line);
+        file.write_all(line.as_bytes())?;
+        count += 1;
+    }
+    file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+    Ok((count, hexadecimal(&hash.finalize())))
+}
