@@ -179,7 +179,7 @@ fn preflight(talk: &Talk, demand: &Demand, job: &Job, machine: &Machine, beam: b
 }
 
 /// Sends a few lines and waits for their end.
-fn drive(talk: &mut Talk, lines: Vec<String>, ends_at_mm: Option<[f64; 2]>) -> Result<Outcome, Failure> {
+pub(super) fn drive(talk: &mut Talk, lines: Vec<String>, ends_at_mm: Option<[f64; 2]>) -> Result<Outcome, Failure> {
     talk.command(Command::Run { lines: Box::new(lines.into_iter().map(Ok)), ends_at_mm });
     let ended = talk.wait_for_end(&mut |message| {
         eprintln!("{message}");

@@ -12,13 +12,16 @@ mod files;
 mod frame;
 mod home;
 mod job_files;
+mod jobs;
 mod jog;
 mod jog_keys;
+mod keyboard;
 mod machine;
 mod machine_probe;
 mod make;
 mod order;
 mod output;
+mod placing;
 mod ports;
 mod preview;
 mod profile;
@@ -54,6 +57,10 @@ pub enum Command {
     Preview(preview::Args),
     /// Send G-code to a machine and stay with it to the end
     Send(send::Args),
+    /// Go on with a job that was stopped, interrupted, or cut short by a fault
+    Resume(send::resume::Args),
+    /// What was sent and how far it came
+    Jobs(jobs::Args),
     /// Drive around everything a job burns, beam off, to see where it lies
     Frame(frame::Args),
     /// Move the head by hand, and set work zero
@@ -83,6 +90,8 @@ impl Command {
             Command::Check(args) => check::run(&args),
             Command::Preview(args) => preview::run(args),
             Command::Send(args) => send::run(&args),
+            Command::Resume(args) => send::resume::run(&args),
+            Command::Jobs(args) => jobs::run(&args),
             Command::Frame(args) => frame::run(&args),
             Command::Jog(args) => jog::run(&args),
             Command::Home(args) => home::run(&args),

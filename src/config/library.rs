@@ -84,6 +84,17 @@ impl Described for Profile {
     }
 }
 
+/// Where the jobs that were sent are kept: `$FURBELOW_CONFIG_DIR/jobs`, or else in the platform's folder for what programs keep of their own accord
+/// (`~/.local/state/furbelow/jobs`, `%APPDATA%\\furbelow\\jobs`). `None` without a home directory.
+pub fn jobs_folder() -> Option<PathBuf> {
+    let given = std::env::var_os(FOLDER_VARIABLE).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let usual = || {
+        let base = etcetera::choose_base_strategy().ok()?;
+        Some(base.state_dir().unwrap_or_else(|| base.data_dir()).join("furbelow"))
+    };
+    given.or_else(usual).map(|folder| folder.join("jobs"))
+}
+
 impl Library {
     /// The built-in files and the user's: in `$FURBELOW_CONFIG_DIR`, or else in the platform's config folder
     /// (`~/.config/furbelow`, `%APPDATA%\furbelow`). The folder need not exist.

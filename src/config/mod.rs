@@ -26,7 +26,7 @@ mod tree;
 
 pub use error::{Error, Kind};
 pub use joint::{Dashes, Holes, Joint, Joints};
-pub use library::{FOLDER_VARIABLE, Library, Listed, Place};
+pub use library::{FOLDER_VARIABLE, Library, Listed, Place, jobs_folder};
 pub use machine::{
     AirCode, AirCodes, Axis, Controller, Corner, Dialect, KeepOut, Machine, Roll, Tool, ToolClass, WorkArea,
 };

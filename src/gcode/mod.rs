@@ -3,6 +3,7 @@
 //! ```text
 //! Toolpath --emit--> Program --trace--> moves --estimate--> times
 //!        text --parse--^
+//!        text --Rewriter: elsewhere on the bed, or from its middle on--> text
 //!        file --Checker, line by line, through the same interpreter and planner--> Report
 //! ```
 //!
@@ -27,6 +28,8 @@ mod parse;
 mod planner;
 mod problem;
 mod program;
+mod restart;
+mod rewrite;
 mod timing;
 mod trace;
 mod words;
@@ -42,5 +45,7 @@ pub use parse::{ParseError, parse, parse_line};
 pub use planner::{Held, Limits, Planner, Stretch};
 pub use problem::{TraceError, TraceProblem};
 pub use program::{Line, Program, Word};
+pub use restart::{Restart, restart};
+pub use rewrite::{RewriteError, Rewriter};
 pub use timing::{Speeds, Timing, estimate};
 pub use trace::trace;

@@ -57,6 +57,13 @@ impl Line {
         Line { words: Vec::new(), comment: Some(text.trim_end().to_string()) }
     }
 
+    /// The word of a line that leads to a place stored on the machine (G28, G30), lays work zero elsewhere for good or by a stored offset (G10, G55 to
+    /// G59, G43.1), or probes (G38): where the program goes from there only the machine knows.
+    pub fn leads_elsewhere(&self) -> Option<Word> {
+        let stored = |word: &&Word| word.letter == 'G' && matches!(word.value as u32, 10 | 28 | 30 | 38 | 43 | 55..=59);
+        self.words.iter().find(stored).copied()
+    }
+
     /// The number of the first word with this letter.
     pub fn value(&self, letter: char) -> Option<f64> {
         self.words.iter().find(|w| w.letter == letter).map(|w| w.value)

@@ -9,6 +9,7 @@ mod company;
 mod fillet;
 mod path;
 mod polygon;
+mod similarity;
 mod snap;
 pub mod tolerance;
 
@@ -19,6 +20,7 @@ pub use path::{Path, PathVertex, Segment};
 pub use polygon::{
     closest_on_segment, contains, convex_hull, distance_to_loop, distance_to_segment, segments_cross, signed_area,
 };
+pub use similarity::similarity;
 pub use snap::snap_round;
 
 /// A position in a plane.
@@ -31,6 +33,9 @@ pub type P3 = nalgebra::Point3<f64>;
 pub type V3 = nalgebra::Vector3<f64>;
 /// A rigid motion of the plane: a turn about the origin, then a shift. Never a mirror.
 pub type Motion = nalgebra::Isometry2<f64>;
+
+/// A rigid motion of the plane and a scale: scaled and turned about the origin, then shifted. Never a mirror.
+pub type Similarity = nalgebra::Similarity2<f64>;
 
 /// The z component of the cross product of two plane vectors: positive when `b` lies counter-clockwise of `a`.
 pub fn cross(a: V2, b: V2) -> f64 {

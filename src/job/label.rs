@@ -18,6 +18,8 @@ pub struct Label {
     pub material: Option<String>,
     /// What it is cut from.
     pub sheet: Option<SheetLabel>,
+    /// Middles of the two alignment crosses, mm in work coordinates; `None` where there are none.
+    pub crosses_mm: Option<[[f64; 2]; 2]>,
     /// How the grain must lie: "along X"; `None` where the material has none.
     pub grain: Option<String>,
     /// Why its values are not to be trusted on its machine; `None` when they were measured there.
@@ -73,6 +75,10 @@ impl Label {
             "material" => &mut self.material,
             "grain" => &mut self.grain,
             "UNCALIBRATED" => &mut self.uncalibrated,
+            "crosses" => {
+                self.crosses_mm = self.crosses_mm.or_else(|| read_crosses(value.trim()));
+                return;
+            }
             "sheet" => {
                 self.sheet = self.sheet.take().or_else(|| SheetLabel::parse(value.trim()));
                 return;
@@ -138,6 +144,17 @@ impl std::fmt::Display for SheetLabel {
     }
 }
 
+/// Reads "X10.000 Y5.000 and X287.000 Y205.000 mm".
+fn read_crosses(text: &str) -> Option<[[f64; 2]; 2]> {
+    let (first, second) = text.strip_suffix(" mm")?.split_once(" and ")?;
+    let place = |text: &str| {
+        let (x, y) = text.strip_prefix('X')?.split_once(" Y")?;
+        let number = |text: &str| text.parse::<f64>().ok().filter(|v| v.is_finite());
+        Some([number(x)?, number(y)?])
+    };
+    Some([place(first)?, place(second)?])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -153,6 +170,15 @@ mod tests {
         assert_eq!(label.sheet.unwrap().to_string(), "1/2 A4 297 x 210 mm");
         assert_eq!(Label::read("G0X1\n; machine: k40".as_bytes()).unwrap(), Label::default());
         assert_eq!(Label::read("(by hand)\n".as_bytes()).unwrap(), Label::default());
+    }
+
+    #[test]
+    fn crosses_are_read_where_there_are_two() {
+        let crosses = |text: &str| Label::read(format!("; crosses: {text}\n").as_bytes()).unwrap().crosses_mm;
+        assert_eq!(crosses("X10.000 Y5.500 and X287.000 Y-0.125 mm"), Some([[10.0, 5.5], [287.0, -0.125]]));
+        for text in ["X1 Y2 mm", "X1 Y2 and X3 mm", "X1 Ynan and X3 Y4 mm", ""] {
+            assert_eq!(crosses(text), None, "{text}");
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 
 use super::board::Board;
 use super::ledger::Reached;
-use crate::gcode::{Action, Interpreter, Line, Move, parse_line};
+use crate::gcode::{Action, Interpreter, Move, parse_line};
 use crate::geom::{P3, V3};
 
 /// How far a report may lie beside the way beyond half a step and the chords of arcs, mm: three decimals in mm, four in inches.
@@ -105,7 +105,7 @@ impl Course {
     /// A line was sent.
     pub(super) fn sent(&mut self, number: usize, text: &str) -> Effect {
         let Some(interpreter) = &mut self.interpreter else { return unfollowed(text) };
-        let line = parse_line(text, number).ok().filter(|line| !text.starts_with('$') && !leads_elsewhere(line));
+        let line = parse_line(text, number).ok().filter(|line| !text.starts_with('$') && line.leads_elsewhere().is_none());
         let Some(moves) = line.and_then(|line| interpreter.line(&line).ok()) else {
             // The board will refuse it, or goes where only it knows.
             self.interpreter = None;
@@ -226,14 +226,6 @@ impl Course {
 fn unfollowed(text: &str) -> Effect {
     let moves = !text.starts_with('$') && text.contains(['X', 'Y', 'Z']);
     Effect { blocks: usize::from(moves), rests: false }
-}
-
-/// True for words that lead to places stored on the board, or lay its zero elsewhere for good.
-fn leads_elsewhere(line: &Line) -> bool {
-    let stored = |value: f64| {
-        matches!(value as u32, 10 | 28 | 30 | 38 | 43 | 55..=59)
-    };
-    line.words.iter().any(|word| word.letter == 'G' && stored(word.value))
 }
 
 #[cfg(test)]

@@ -20,6 +20,14 @@ pub struct Progress {
     pub reached: Option<Reached>,
 }
 
+impl Progress {
+    /// The place up to which the job is surely carried out.
+    pub fn place(&self) -> Reached {
+        let line_end = Reached { line: self.executed + 1, along_mm: 0.0 };
+        self.reached.filter(|reached| reached.line > self.executed).unwrap_or(line_end)
+    }
+}
+
 /// A place on a job's way.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Reached {
@@ -48,6 +56,8 @@ pub(super) struct Ledger {
     told: Option<usize>,
     /// The last line behind which the machine rested with every line answered: what got lost is behind it.
     agreed: usize,
+    /// A line that is answered at rest, when nothing was heard since: a board that is reset answers the line it was reading, carried out or not.
+    rested: Option<usize>,
     /// What the board says no longer tells what is carried out.
     closed: bool,
 }
@@ -69,15 +79,17 @@ impl Ledger {
 
     /// A line was accepted by a board whose planner and stepper hold at most `most` blocks.
     pub(super) fn accepted(&mut self, line: usize, effect: Effect, most: usize) {
+        self.believe_rest();
         self.progress.acked = line;
         self.accepted.push_back(Accepted { line, blocks: effect.blocks });
         self.blocks += effect.blocks;
-        let open = if effect.rests { 0 } else { most };
-        self.carry_out(self.done_but(open));
+        self.rested = effect.rests.then_some(line);
+        self.carry_out(self.done_but(most));
     }
 
     /// A report says that so many blocks are not carried out. One report may be garbled: what two in a row say counts.
     pub(super) fn reported(&mut self, open_blocks: usize) {
+        self.believe_rest();
         let done = self.done_but(open_blocks);
         if let Some(before) = self.told.replace(done) {
             self.carry_out(before.min(done));
@@ -110,6 +122,12 @@ impl Ledger {
     /// The board has thrown its lines away: that its planner is empty says nothing any more.
     pub(super) fn close(&mut self) {
         self.closed = true;
+    }
+
+    fn believe_rest(&mut self) {
+        if let Some(line) = self.rested.take() {
+            self.carry_out(line);
+        }
     }
 
     /// The last line that is done when so many blocks are not; 0 for none of those held.
@@ -181,7 +199,14 @@ mod tests {
         assert_eq!(reported(&mut ledger, 2), 0, "two blocks are those of lines 1 and 4");
         assert_eq!(reported(&mut ledger, 1), 3, "and what asks for nothing is done with the line before it");
         ledger.accepted(6, RESTS, 20);
-        assert_eq!(ledger.progress().executed, 6, "it is answered at rest");
+        assert_eq!(ledger.progress().executed, 3);
+        ledger.reported(7);
+        assert_eq!(ledger.progress().executed, 6, "it is answered at rest, and the board goes on");
+        ledger.accepted(7, MOVES, 20);
+        ledger.accepted(8, RESTS, 20);
+        ledger.close();
+        reported(&mut ledger, 0);
+        assert_eq!(ledger.progress().executed, 6, "it may have been answered by a reset");
     }
 
     #[test]

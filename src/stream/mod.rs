@@ -14,6 +14,7 @@
 //! (<https://github.com/gnea/grbl/wiki/Grbl-v1.1-Interface>), which grblHAL and FluidNC speak too.
 
 mod advice;
+mod alignment;
 mod board;
 mod course;
 mod emulated;
@@ -40,6 +41,7 @@ mod trouble;
 mod window;
 
 pub use advice::{alarm_advice, error_advice};
+pub use alignment::{Alignment, AlignmentError};
 pub use board::Board;
 pub use event::{Action, Command, Ending, Event, Lines, Outcome};
 pub use forecast::{Forecast, Outlook};
@@ -49,7 +51,7 @@ pub use journal::{Head, Journal, JournalError, Mark, Note, Record, Recorder, Sta
 pub use ledger::{Progress, Reached};
 pub use link::Link;
 pub use plan::{Plan, Planned};
-pub use port::{Address, Listed, OpenError, Port, list_ports};
+pub use port::{Address, Listed, OpenError, Port, lasting_name, list_ports};
 pub use preflight::{Demand, Expected, Finding, Weight, preflight};
 pub use realtime::Override;
 pub use reply::Firmware;

@@ -19,6 +19,9 @@ const CONNECT_WAIT: Duration = Duration::from_secs(5);
 /// The fastest clock of an emulated board: a day's job in half a minute.
 const MAX_SPEED: u32 = 3000;
 
+/// Links that are named after what a device is, on Linux.
+const BY_ID: &str = "/dev/serial/by-id";
+
 /// Where telnet listens (FluidNC, grblHAL).
 const TELNET: u16 = 23;
 
@@ -192,10 +195,18 @@ pub fn list_ports() -> io::Result<Vec<Listed>> {
     };
     let listed = found.into_iter().map(|port| Listed {
         what: what(&port.port_type),
-        stable: stable_path(Path::new("/dev/serial/by-id"), Path::new(&port.port_name)),
+        stable: stable_path(Path::new(BY_ID), Path::new(&port.port_name)),
         path: port.port_name,
     });
     Ok(listed.collect())
+}
+
+/// A name under which a port is found when it is plugged in again, where the system keeps one; else the name itself.
+pub fn lasting_name(port: &str) -> String {
+    match Address::parse(port) {
+        Address::Device(path) => stable_path(Path::new(BY_ID), &path).unwrap_or_else(|| port.to_owned()),
+        Address::Network(..) | Address::Emulator(_) => port.to_owned(),
+    }
 }
 
 /// The link in `folder` that leads to `device`.

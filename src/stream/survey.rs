@@ -11,11 +11,16 @@ pub struct Survey {
     pub demand: Demand,
     /// When its lines should be done.
     pub plan: Plan,
+    /// Where its first cut begins, mm in work coordinates.
+    pub first_cut_mm: Option<[f64; 2]>,
 }
 
 impl Witness for Survey {
     fn asked(&mut self, m: &Move) {
         self.demand.add(m);
+        if m.burns() {
+            self.first_cut_mm.get_or_insert([m.from.x, m.from.y]);
+        }
     }
 
     fn took(&mut self, m: &Move, seconds: f64) {

@@ -5,8 +5,10 @@
 //! ```
 
 mod board;
-mod keyboard;
+mod keeping;
+mod placed;
 mod program;
+pub(super) mod resume;
 mod sheets;
 mod teller;
 mod watched_file;
@@ -16,15 +18,16 @@ use std::path::PathBuf;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use self::keyboard::Keyboard;
 use self::program::Program;
 use self::teller::Teller;
 use super::connection::{Where, machine_failure};
+use super::keyboard::Keyboard;
+use super::placing::Placing;
 use super::talk::Talk;
 use super::{Exit, Failure, job_files, output};
 use crate::config::{self, Library, Machine};
 use crate::job;
-use crate::stream::Outcome;
+use crate::stream::{Outcome, Record};
 
 /// Arguments of `send`.
 #[derive(Debug, clap::Args)]
@@ -40,6 +43,8 @@ pub struct Args {
     /// Begin with this sheet of the folder, from 1
     #[arg(long, value_name = "N", default_value_t = 1)]
     from_sheet: usize,
+    #[command(flatten)]
+    placing: Placing,
     /// Home the machine first
     #[arg(long)]
     home: bool,
@@ -77,12 +82,22 @@ struct Sending<'a> {
     keyboard: Option<Keyboard>,
     talk: Talk,
     teller: &'a mut Teller,
+    /// Programs that lie elsewhere or begin in their middle are written anew here.
+    scratch: tempfile::TempDir,
+    /// The job this one goes on with.
+    resumes: Option<Record>,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let machine = args.at.machine()?;
     let mut teller = Teller::new(args.json, machine.controller.max_s);
-    let sent = send(args, machine, &mut teller).map_err(|failure| match failure.is_broken_pipe() {
+    let sent = send(args, machine, &mut teller);
+    tell_end(sent, &teller)
+}
+
+/// Tells how it ended, and makes the exit code say the same.
+fn tell_end(sent: Result<Outcome, Failure>, teller: &Teller) -> Result<(), Failure> {
+    let sent = sent.map_err(|failure| match failure.is_broken_pipe() {
         // For what only prints that is the end; a job that was broken off must not look like success.
         true => super::connection::failed("nobody reads what is told any more: the job was stopped"),
         false => failure,
@@ -131,18 +146,26 @@ fn send(args: &Args, machine: Machine, teller: &mut Teller) -> Result<Outcome, F
     }
     let talk = Talk::open(&args.at.port, &machine)?;
     let keyboard = somebody.then(Keyboard::open);
-    let mut sending = Sending { args, machine, programs, setup, keyboard, talk, teller };
-    if !sending.get_ready()? {
+    let scratch = tempfile::tempdir()?;
+    let mut sending = Sending { args, machine, programs, setup, keyboard, talk, teller, scratch, resumes: None };
+    if !sending.get_ready()? || !sending.place_programs()? {
         return Ok(Outcome::Stopped);
     }
-    sending.preflight()?;
-    if args.check_on_board && !sending.check_on_board()? {
-        return Ok(Outcome::Stopped);
+    sending.go()
+}
+
+impl Sending<'_> {
+    /// From a machine that is ready and programs that lie where they should to the end of the last sheet.
+    fn go(&mut self) -> Result<Outcome, Failure> {
+        self.preflight()?;
+        if self.args.check_on_board && !self.check_on_board()? {
+            return Ok(Outcome::Stopped);
+        }
+        if !self.tick_off()? {
+            return Ok(Outcome::Stopped);
+        }
+        self.cut()
     }
-    if !sending.tick_off()? {
-        return Ok(Outcome::Stopped);
-    }
-    sending.cut()
 }
 
 /// The files to send, in order.
@@ -167,7 +190,7 @@ fn check(files: &[PathBuf], machine: &Machine) -> Result<Vec<Program>, Failure> 
     }
     let mut before = 0;
     let programs = files.iter().map(|path| {
-        let program = Program::read(path, &settings, |done| bar.set_position(before + done));
+        let program = Program::read(path, path.display().to_string(), &settings, |done| bar.set_position(before + done));
         before += size(path);
         program
     });

@@ -1,11 +1,14 @@
 //! One program on its way to a machine: read once to be checked, and once more, line by line, to be sent. No more than a line of it is held.
 
-use std::io::{self, BufReader};
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use super::super::connection::refused;
 use super::super::{Exit, Failure};
 use super::watched_file::{Stamp, WatchedFile};
-use crate::gcode::{self, CheckSettings, Checker};
+use crate::gcode::{self, CheckSettings, Checker, Rewriter};
+use crate::geom::{P2, Similarity};
 use crate::job::Label;
 use crate::stream::{Lines, Survey};
 
@@ -18,6 +21,8 @@ const SEND_BYTES: usize = 1 << 12;
 /// A program that has been checked.
 pub(super) struct Program {
     path: PathBuf,
+    /// What people call it.
+    name: String,
     stamp: Stamp,
     /// What it says of itself.
     pub(super) label: Label,
@@ -27,15 +32,22 @@ pub(super) struct Program {
     pub(super) lines: usize,
     /// What `check` would warn of.
     pub(super) warnings: usize,
+    /// Middles of its two alignment crosses, mm in work coordinates.
+    pub(super) crosses_mm: Option<[[f64; 2]; 2]>,
 }
 
 impl Program {
-    /// Reads and checks a file; `step` is told now and then how many bytes are done.
+    /// Reads and checks a file that people call `name`; `step` is told now and then how many bytes are done.
     ///
     /// # Errors
     /// It cannot be read, or must not be sent to this machine.
-    pub(super) fn read(path: &Path, settings: &CheckSettings, step: impl FnMut(u64)) -> Result<Program, Failure> {
-        let unreadable = |e: io::Error| Failure::config(format!("{} cannot be read: {e}", path.display()));
+    pub(super) fn read(
+        path: &Path,
+        name: String,
+        settings: &CheckSettings,
+        step: impl FnMut(u64),
+    ) -> Result<Program, Failure> {
+        let unreadable = |e: io::Error| Failure::config(format!("{name} cannot be read: {e}"));
         let label = Label::read(BufReader::new(WatchedFile::open(path).map_err(unreadable)?)).map_err(unreadable)?;
         let mut file = WatchedFile::open(path).map_err(unreadable)?;
         let mut survey = Survey::default();
@@ -47,16 +59,44 @@ impl Program {
                 0 => String::new(),
                 n => format!(" (and {n} more)"),
             };
-            let why = format!("{} must not be sent: {finding}{more}; furbelow check tells all", path.display());
+            let why = format!("{name} must not be sent: {finding}{more}; furbelow check tells all");
             return Err(Failure { exit: Exit::Refused, source: why.into() });
         }
         let (lines, warnings) = (report.lines, report.warnings.len());
-        Ok(Program { path: path.to_owned(), stamp: file.stamp(), label, survey, lines, warnings })
+        let crosses_mm = label.crosses_mm;
+        Ok(Program { path: path.to_owned(), name, stamp: file.stamp(), label, survey, lines, warnings, crosses_mm })
     }
 
-    /// The file's name, for people.
+    /// What people call it.
     pub(super) fn name(&self) -> String {
-        self.path.display().to_string()
+        self.name.clone()
+    }
+
+    /// This program elsewhere, or from somewhere on, written to a file and checked there.
+    ///
+    /// # Errors
+    /// It leads where only the machine knows, or lies where it must not.
+    pub(super) fn rewritten(
+        &self,
+        mut rewriter: Rewriter,
+        placing: &Similarity,
+        path: &Path,
+        settings: &CheckSettings,
+    ) -> Result<Program, Failure> {
+        let unfit = |why: &dyn std::fmt::Display| refused(format!("{}: {why}", self.name));
+        let mut file = BufWriter::new(File::create(path)?);
+        for line in self.open()? {
+            for line in rewriter.line(&line?).map_err(|e| unfit(&e))? {
+                writeln!(file, "{line}")?;
+            }
+        }
+        rewriter.finish().map_err(|e| unfit(&e))?;
+        file.flush()?;
+        let mut program = Program::read(path, self.name.clone(), settings, |_| ())?;
+        // The file's own remark on its crosses is that of the original.
+        let placed = |[x, y]: [f64; 2]| (placing * P2::new(x, y)).into();
+        program.crosses_mm = self.crosses_mm.map(|crosses| crosses.map(placed));
+        Ok(program)
     }
 
     /// Its lines, read while they are sent; an error among them once the file is no longer what was checked.

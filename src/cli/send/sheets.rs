@@ -2,15 +2,14 @@
 
 use std::time::{Duration, Instant};
 
-use super::super::connection::{self, EVENT_WAIT, failed, machine_failure};
+use super::super::connection::{self, EVENT_WAIT, failed};
+use super::super::keyboard::{self, WORDS, Word};
 use super::super::talk::OnInterrupt;
 use super::super::{Failure, output};
 use super::Sending;
-use super::keyboard::{WORDS, Word};
-use crate::stream::{Command, Ending, Event, Forecast, Outcome, Trouble};
-
-/// How often the keyboard is looked at while somebody is asked.
-const KEY_WAIT: Duration = Duration::from_millis(50);
+use super::keeping::Keeping;
+use super::teller::Sheet;
+use crate::stream::{Command, Ending, Event, Forecast, Outcome};
 
 impl Sending<'_> {
     /// Has the checklist ticked off and the first sheet laid on the bed, unless that is said to be done. False when the user would rather not.
@@ -33,7 +32,7 @@ impl Sending<'_> {
     }
 
     /// Which sheet a program is and of how many.
-    fn place(&self, k: usize) -> (usize, usize) {
+    pub(super) fn place(&self, k: usize) -> (usize, usize) {
         let before = self.args.from_sheet - 1;
         self.programs[k].place((before + k + 1, before + self.programs.len()))
     }
@@ -48,20 +47,32 @@ impl Sending<'_> {
                 return Ok(Outcome::Stopped);
             }
             connection::require_idle(&self.talk.status)?;
+            let (mut keeping, lines) = self.keep(k)?;
             let program = &self.programs[k];
-            let (lines, ends_at_mm) = (program.open()?, program.survey.demand.ends_at_mm);
+            let ends_at_mm = program.survey.demand.ends_at_mm;
             let forecast = Forecast::new(program.survey.plan.clone());
-            self.teller.begins(self.place(k), &program.name(), program.lines, forecast.total_s())?;
+            let about = Sheet {
+                place: self.place(k),
+                file: program.name(),
+                lines: program.lines,
+                time_s: forecast.total_s(),
+                job: keeping.number(),
+            };
+            self.teller.begins(about)?;
             if k == 0 && self.keyboard.is_some() {
                 self.teller.say(WORDS);
             }
             // From here on it may move: a signal brakes and resets it.
             self.talk.on_interrupt(OnInterrupt::Stop);
             self.talk.command(Command::Run { lines, ends_at_mm });
-            let ending = self.follow(forecast)?;
+            let ending = self.follow(forecast, &mut keeping)?;
             self.talk.on_interrupt(OnInterrupt::Leave);
+            keeping.ends(&ending, self.teller)?;
             self.teller.ends(&ending)?;
             if ending.outcome != Outcome::Done {
+                if let Some(number) = keeping.number() {
+                    self.teller.say(&format!("furbelow resume {number} goes on with it"));
+                }
                 return Ok(ending.outcome);
             }
         }
@@ -69,7 +80,7 @@ impl Sending<'_> {
     }
 
     /// Tells what happens, and passes on what is typed, until the job has ended.
-    fn follow(&mut self, mut forecast: Forecast) -> Result<Ending, Failure> {
+    fn follow(&mut self, mut forecast: Forecast, keeping: &mut Keeping) -> Result<Ending, Failure> {
         let mut feed_percent = 100;
         let mut runs = false;
         if let Some(keyboard) = &self.keyboard {
@@ -80,10 +91,14 @@ impl Sending<'_> {
             match self.talk.next(EVENT_WAIT) {
                 Some(Event::Status(status, progress)) => {
                     runs |= progress.sent > 0;
+                    keeping.reports(&status, progress, self.teller)?;
                     let outlook = forecast.on_status(self.teller.now(), &status, progress);
                     self.teller.reports(&status, progress, outlook)?;
                 }
-                Some(Event::Trouble(trouble)) => self.teller.note("trouble", &trouble.to_string())?,
+                Some(Event::Trouble(trouble)) => {
+                    keeping.troubled(&trouble, self.teller)?;
+                    self.teller.note("trouble", &trouble.to_string())?;
+                }
                 Some(Event::Message(message)) => self.teller.note("message", &message)?,
                 // Told of a word that was typed; before the first line it means that nothing begins.
                 Some(Event::Denied(reason)) if runs || self.talk.interrupted() => self.teller.note("denied", reason)?,
@@ -116,7 +131,7 @@ impl Sending<'_> {
         self.teller.say(&format!("it is cut in {pause_s} s; Ctrl-C ends here"));
         let until = Instant::now() + Duration::from_secs(pause_s.into());
         while let Some(left) = until.checked_duration_since(Instant::now()) {
-            if !self.idle(left.min(EVENT_WAIT))? {
+            if !keyboard::idle(&mut self.talk, left.min(EVENT_WAIT))? {
                 return Ok(false);
             }
         }
@@ -127,18 +142,10 @@ impl Sending<'_> {
     ///
     /// # Errors
     /// Nobody is there, or the board fails meanwhile.
-    fn ask(&mut self, question: &str) -> Result<Option<String>, Failure> {
+    pub(super) fn ask(&mut self, question: &str) -> Result<Option<String>, Failure> {
         self.teller.say(question);
         let nobody = || Failure::config("nobody is there to answer; give --yes when everything is prepared");
-        self.keyboard.as_ref().ok_or_else(nobody)?.forget();
-        while self.idle(KEY_WAIT)? {
-            if let Some(keyboard) = &self.keyboard
-                && let Some(line) = keyboard.line()?
-            {
-                return Ok(Some(line));
-            }
-        }
-        Ok(None)
+        self.keyboard.as_ref().ok_or_else(nobody)?.answer(&mut self.talk)
     }
 
     /// Asks for a yes; nobody there, or `--yes`, which is for the checklist, is a no.
@@ -150,16 +157,4 @@ impl Sending<'_> {
         Ok(answer.is_some_and(|answer| matches!(answer.trim().to_ascii_lowercase().as_str(), "y" | "yes")))
     }
 
-    /// Lets time pass with the machine at rest. False when the user has stopped it.
-    ///
-    /// # Errors
-    /// The board fails.
-    fn idle(&mut self, wait: Duration) -> Result<bool, Failure> {
-        self.talk.on_interrupt(OnInterrupt::Heed);
-        match self.talk.next(wait) {
-            Some(Event::Trouble(trouble)) => Err(machine_failure(trouble)),
-            Some(Event::Restarted) => Err(machine_failure(Trouble::Restarted)),
-            Some(_) | None => Ok(!self.talk.interrupted()),
-        }
-    }
 }

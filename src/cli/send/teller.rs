@@ -32,6 +32,20 @@ pub(super) struct Teller {
     ending: Option<Ending>,
 }
 
+/// A sheet that is about to be cut.
+pub(super) struct Sheet {
+    /// Which it is and of how many.
+    pub(super) place: (usize, usize),
+    /// Its program's name.
+    pub(super) file: String,
+    /// Lines of the file.
+    pub(super) lines: usize,
+    /// Planned, s.
+    pub(super) time_s: f64,
+    /// Its number in the journal.
+    pub(super) job: Option<u32>,
+}
+
 enum Form {
     /// For scripts, on stdout.
     Json,
@@ -106,17 +120,15 @@ impl Teller {
     }
 
     /// A sheet is about to be cut.
-    pub(super) fn begins(
-        &mut self,
-        sheet: (usize, usize),
-        file: &str,
-        lines: usize,
-        time_s: f64,
-    ) -> Result<(), Failure> {
-        (self.sheet, self.progress, self.outlook) = (sheet, Progress::default(), None);
-        let (number, of) = sheet;
+    pub(super) fn begins(&mut self, sheet: Sheet) -> Result<(), Failure> {
+        let Sheet { place, file, lines, time_s, job } = sheet;
+        (self.sheet, self.progress, self.outlook) = (place, Progress::default(), None);
+        let (number, of) = place;
         match &mut self.form {
-            Form::Json => return self.event("sheet", json!({ "file": file, "lines": lines, "time_s": time_s })),
+            Form::Json => {
+                let about = json!({ "file": file, "lines": lines, "time_s": time_s, "job": job });
+                return self.event("sheet", about);
+            }
             Form::Bar(bar) => {
                 bar.set_prefix(format!("sheet {number}/{of}"));
                 bar.set_message("");
@@ -124,7 +136,8 @@ impl Teller {
             }
             Form::Log(told) => *told = None,
         }
-        output::line(&format!("sheet {number} of {of}: {file}, {} planned", minutes(time_s)))
+        let job = job.map_or(String::new(), |job| format!("; job {job}"));
+        output::line(&format!("sheet {number} of {of}: {file}, {} planned{job}", minutes(time_s)))
     }
 
     /// A report.

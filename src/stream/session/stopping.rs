@@ -64,9 +64,7 @@ impl Session {
     /// Resets without waiting for rest.
     pub(super) fn reset_for(&mut self, trouble: Option<Trouble>) {
         self.alone.clear();
-        if let Some(job) = &mut self.job {
-            job.ledger.close();
-        }
+        self.close_account();
         let clean = self.state().is_some_and(|state| matches!(state, State::Hold(0) | State::Door(0 | 1)));
         self.byte(realtime::RESET);
         self.phase = Phase::Stopping(Stopping { trouble, since: self.now, reset: true, clean, rest_reports: 0 });
@@ -94,7 +92,15 @@ impl Session {
             stopping.clean = !matches!(state, State::Sleep | State::Alarm);
             stopping.reset = true;
             stopping.since = self.now;
+            self.close_account();
             self.byte(realtime::RESET);
+        }
+    }
+
+    /// What is answered from now on may be answered because the board is reset.
+    fn close_account(&mut self) {
+        if let Some(job) = &mut self.job {
+            job.ledger.close();
         }
     }
 
@@ -105,6 +111,7 @@ impl Session {
         if !stopping.reset && waited >= self.settings.stop_wait {
             stopping.reset = true;
             stopping.since = self.now;
+            self.close_account();
             self.byte(realtime::RESET);
         } else if stopping.reset && waited >= RESET_WAIT {
             self.finish_stop(false);

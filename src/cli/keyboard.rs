@@ -2,9 +2,15 @@
 
 use std::io::BufRead;
 use std::sync::mpsc::{self, Receiver, TryRecvError};
+use std::time::Duration;
 
-use super::super::Failure;
-use crate::stream::{Command, Override};
+use super::talk::{OnInterrupt, Talk};
+use super::Failure;
+use super::connection::machine_failure;
+use crate::stream::{Command, Event, Override, Trouble};
+
+/// How often the keyboard is looked at while somebody is asked.
+const KEY_WAIT: Duration = Duration::from_millis(50);
 
 /// Lines typed, read on a thread of their own, which nothing but the end of the program ends.
 pub(super) struct Keyboard {
@@ -56,9 +62,36 @@ impl Keyboard {
         }
     }
 
+    /// Waits for a line, with the machine at rest; what was typed before does not count. `None` when the user has stopped it instead.
+    ///
+    /// # Errors
+    /// Nobody is there, or the board fails meanwhile.
+    pub(super) fn answer(&self, talk: &mut Talk) -> Result<Option<String>, Failure> {
+        self.forget();
+        while idle(talk, KEY_WAIT)? {
+            if let Some(line) = self.line()? {
+                return Ok(Some(line));
+            }
+        }
+        Ok(None)
+    }
+
     /// Forgets what was typed before a question was asked: an Enter too many must not start a machine.
     pub(super) fn forget(&self) {
         while self.lines.try_recv().is_ok() {}
+    }
+}
+
+/// Lets time pass with the machine at rest. False when the user has stopped it.
+///
+/// # Errors
+/// The board fails.
+pub(super) fn idle(talk: &mut Talk, wait: Duration) -> Result<bool, Failure> {
+    talk.on_interrupt(OnInterrupt::Heed);
+    match talk.next(wait) {
+        Some(Event::Trouble(trouble)) => Err(machine_failure(trouble)),
+        Some(Event::Restarted) => Err(machine_failure(Trouble::Restarted)),
+        Some(_) | None => Ok(!talk.interrupted()),
     }
 }
 

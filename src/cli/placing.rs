@@ -1,0 +1,213 @@
+//! Where a job lies on the bed: at work zero, where the head stands, in the machine's own corner, or by two crosses on the sheet.
+
+use super::connection::{self, refused};
+use super::frame::drive;
+use super::keyboard::Keyboard;
+use super::talk::Talk;
+use super::{Failure, jog};
+use crate::config::{Corner, Machine};
+use crate::geom::{P2, Similarity, V2};
+use crate::stream::{Alignment, Command, Frame, Outcome};
+
+/// How fast the head is moved onto a cross by hand, mm/min.
+const NUDGE_MM_PER_MIN: f64 = 600.0;
+
+/// Where the job is to lie.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct Placing {
+    /// Where the job's X0 Y0 lies: at work zero (origin), where the head stands (current), or in the corner the machine measures from (absolute;
+    /// it must have been homed)
+    #[arg(long, value_name = "WHERE", default_value = "origin", conflicts_with = "align")]
+    from: From,
+    /// Lay the job so that its two alignment crosses meet those on the sheet: for a sheet that moved, one that was printed on or cut before, or its
+    /// second tool. X1,Y1,X2,Y2 are where they are, in work coordinates; without them the head is moved onto them
+    #[arg(long, value_name = "X1,Y1,X2,Y2", num_args = 0..=1, allow_hyphen_values = true)]
+    align: Option<Option<Crosses>>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum From {
+    /// At work zero.
+    Origin,
+    /// Where the head stands.
+    Current,
+    /// In the corner the machine measures from.
+    Absolute,
+}
+
+/// Two places, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Crosses([P2; 2]);
+
+impl std::str::FromStr for Crosses {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Crosses, String> {
+        let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse::<f64>()).collect();
+        match numbers.as_deref() {
+            Ok([a, b, c, d]) if [a, b, c, d].iter().all(|v| v.is_finite()) => {
+                Ok(Crosses([P2::new(*a, *b), P2::new(*c, *d)]))
+            }
+            _ => Err("four numbers are needed, X1,Y1,X2,Y2, in mm".to_owned()),
+        }
+    }
+}
+
+impl Placing {
+    /// By crosses that are `found`, when that is not `None`, or where they are said to be.
+    pub(super) fn by_crosses(align: Option<Option<&str>>) -> Result<Placing, Failure> {
+        let align = align.map(|places| places.map(str::parse).transpose()).transpose().map_err(Failure::config)?;
+        Ok(Placing { from: From::Origin, align })
+    }
+
+    /// True when the head itself is to be moved onto the crosses.
+    pub(super) fn is_by_hand(&self) -> bool {
+        self.align == Some(None)
+    }
+
+    /// True when the job does not just lie at work zero.
+    pub(super) fn is_asked_for(&self) -> bool {
+        self.align.is_some() || self.from != From::Origin
+    }
+
+    /// True when crosses are to be met.
+    pub(super) fn is_aligned(&self) -> bool {
+        self.align.is_some()
+    }
+
+    /// From the job's coordinates to work coordinates, with the head at rest. `None` when the user has stopped it.
+    ///
+    /// # Errors
+    /// The machine does not know its place, the job has no crosses, they are too far from where they should be, or nobody is there to move the head.
+    pub(super) fn solve(
+        &self,
+        crosses_mm: Option<[[f64; 2]; 2]>,
+        talk: &mut Talk,
+        machine: &Machine,
+        keyboard: Option<&Keyboard>,
+    ) -> Result<Option<Similarity>, Failure> {
+        let Some(found) = &self.align else {
+            let shift = match self.from {
+                From::Origin => V2::zeros(),
+                From::Current => head(talk)?.coords,
+                From::Absolute => corner(talk, machine)?.coords,
+            };
+            return Ok(Some(Similarity::new(shift, 0.0, 1.0)));
+        };
+        let planned = crosses_mm.ok_or_else(|| {
+            refused("the job has no alignment crosses (its head has no line `; crosses: X.. Y.. and X.. Y.. mm`): make it again with a version that cuts them, or set work zero and leave --align out")
+        })?;
+        let planned = planned.map(P2::from);
+        let found = match found {
+            Some(Crosses(found)) => *found,
+            None => match by_hand(planned, talk, machine, keyboard)? {
+                Some(found) => found,
+                None => return Ok(None),
+            },
+        };
+        let alignment = Alignment::solve(planned, found).map_err(|e| refused(e.to_string()))?;
+        eprintln!("{alignment}");
+        Ok(Some(alignment.placing))
+    }
+}
+
+fn head(talk: &Talk) -> Result<P2, Failure> {
+    let [x, y, _] = talk.status.work_mm.ok_or_else(|| refused("the board does not say where the head is"))?;
+    Ok(P2::new(x, y))
+}
+
+/// The corner the machine measures from, in work coordinates, mm.
+///
+/// # Errors
+/// The machine does not know where it is.
+pub(super) fn corner(talk: &Talk, machine: &Machine) -> Result<P2, Failure> {
+    let unknown = || {
+        refused("the machine does not know where its corner is: home it first (--home), or leave --from absolute out")
+    };
+    let offset = talk.board.offset_mm.filter(|_| knows_place(talk)).ok_or_else(unknown)?;
+    // Machine space of GRBL runs from minus the travel to 0 on every axis (limits.c).
+    let low = |axis: usize| {
+        let told = talk.board.settings.get(&(130 + axis as u16)).copied();
+        -told.unwrap_or(machine.controller.max_travel_mm[axis])
+    };
+    let (x, y) = match machine.origin {
+        Corner::FrontLeft => (low(0), low(1)),
+        Corner::FrontRight => (0.0, low(1)),
+        Corner::BackLeft => (low(0), 0.0),
+        Corner::BackRight => (0.0, 0.0),
+    };
+    Ok(P2::new(x - offset[0], y - offset[1]))
+}
+
+/// True when machine coordinates mean something.
+pub(super) fn knows_place(talk: &Talk) -> bool {
+    talk.board.homed || talk.board.switch(20) == Some(true) && !talk.board.restarted
+}
+
+/// Drives to where the crosses should be and has the head moved onto each. `None` when the user has stopped it.
+fn by_hand(
+    planned: [P2; 2],
+    talk: &mut Talk,
+    machine: &Machine,
+    keyboard: Option<&Keyboard>,
+) -> Result<Option<[P2; 2]>, Failure> {
+    let nobody = || {
+        Failure::config("nobody is there to move the head onto the crosses; give their places: --align X1,Y1,X2,Y2")
+    };
+    let keyboard = keyboard.ok_or_else(nobody)?;
+    let mut found = [P2::origin(); 2];
+    for (k, name) in ["first", "second"].into_iter().enumerate() {
+        let shift = if k == 1 { found[0] - planned[0] } else { V2::zeros() };
+        if drive_to(talk, planned[k] + shift)? != Outcome::Done {
+            return Ok(None);
+        }
+        eprintln!("{}", talk.place());
+        eprintln!("move the head onto the {name} cross: how far, in mm (0.5 -1.2), then Enter; Enter alone when it is there");
+        loop {
+            let Some(line) = keyboard.answer(talk)? else { return Ok(None) };
+            let way: Vec<f64> = line.split([' ', ',']).filter_map(|number| number.parse().ok()).collect();
+            match way[..] {
+                _ if line.trim().is_empty() => break,
+                [dx, dy] => {
+                    let [dx_mm, dy_mm] = jog::clamped(talk, machine, [dx, dy]);
+                    talk.insist(Command::Jog { dx_mm, dy_mm, feed_mm_per_min: NUDGE_MM_PER_MIN })?;
+                    talk.wait_for_rest()?;
+                    eprintln!("{}", talk.place());
+                }
+                _ => eprintln!("two numbers, along X and along Y: 0.5 -1.2"),
+            }
+        }
+        found[k] = head(talk)?;
+    }
+    Ok(Some(found))
+}
+
+/// Travels to a place in work coordinates with the beam off.
+///
+/// # Errors
+/// A machine that does not obey.
+pub(super) fn drive_to(talk: &mut Talk, place: P2) -> Result<Outcome, Failure> {
+    connection::require_idle(&talk.status)?;
+    talk.on_interrupt(super::talk::OnInterrupt::Stop);
+    let at = [place.x, place.y];
+    let outcome = drive(talk, Frame::way_to(at), Some(at))?;
+    talk.on_interrupt(super::talk::OnInterrupt::Leave);
+    if let Outcome::Failed(trouble) = outcome {
+        return Err(connection::machine_failure(trouble));
+    }
+    talk.wait_for_rest()?;
+    Ok(outcome)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_of_crosses_are_four_numbers() {
+        assert_eq!("1,2.5, -3,4".parse(), Ok(Crosses([P2::new(1.0, 2.5), P2::new(-3.0, 4.0)])));
+        for text in ["", "1,2,3", "1,2,3,x", "1,2,3,nan", "1 2 3 4"] {
+            assert!(text.parse::<Crosses>().is_err(), "{text}");
+        }
+    }
+}
