@@ -46,7 +46,10 @@ fn main() -> ExitCode {
     print!("{}", table::table(&all));
     let escaped = all.iter().filter(|run| run.escaped).count();
     let broken = all.iter().filter(|run| !run.broken.is_empty()).count();
-    println!("\n{runs} runs from seed {seed} in {:.0} s: {broken} not as they must be, {escaped} done and not as planned", began.elapsed().as_secs_f64());
+    println!(
+        "\n{runs} runs from seed {seed} in {:.0} s: {broken} not as they must be, {escaped} done and not as planned",
+        began.elapsed().as_secs_f64()
+    );
     if broken == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 

@@ -24,7 +24,7 @@
 //!  preview    parts, moves               pictures: SVG, PNG; a page that plays them  drawing nest gcode cut ruffle extrude sim fit
 //!  assembly   parts, pieces, layouts     sheets of paper: what to do, step by step   mesh cut ruffle extrude sim fit strip nest drawing
 //!  emulator   bytes and time             bytes, and what the machine did             gcode
-//!  stream     Program, bytes, time       bytes, events: a board fed line by line      gcode emulator
+//!  stream     Program, bytes, time       bytes, events, a journal: a board fed       gcode emulator
 //!  config     TOML                       Machine, Profile, and how they pair         -
 //!  job        Design                     everything above, in order, into files      all of these
 //!  cli        arguments                  calls of job, text, exit codes              job design preview gcode nest config stream

@@ -4,8 +4,6 @@
 mod bench;
 #[path = "session/burn.rs"]
 mod burn;
-#[path = "session/faults.rs"]
-mod faults;
 #[path = "session/kin.rs"]
 mod kin;
 #[path = "session/measured.rs"]

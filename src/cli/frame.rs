@@ -1,5 +1,6 @@
 //! `furbelow frame JOB`: drives around everything a job burns, to show where it lies on the bed.
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,9 +8,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde_json::json;
 
 use super::connection::{self, Where, refused};
+use super::keyboard::Keyboard;
+use super::placing::{Placing, settings_here};
 use super::talk::{OnInterrupt, Talk};
 use super::{Failure, job_files, output};
 use crate::config::Machine;
+use crate::geom::Similarity;
 use crate::stream::{self, Command, Demand, Extent, Frame, Outcome, Tracing, Weight};
 use crate::{gcode, job};
 
@@ -24,6 +28,8 @@ pub struct Args {
     job: PathBuf,
     #[command(flatten)]
     at: Where,
+    #[command(flatten)]
+    placing: Placing,
     /// Around the upright box instead of the tightest border
     #[arg(long = "box")]
     upright: bool,
@@ -49,10 +55,23 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let machine = args.at.machine()?;
     let tracing = tracing(args, &machine)?;
     let job = read(args, &machine)?;
-    let lines = job.frame.lines(tracing);
-    let moves = checked(&lines, &machine)?;
+    if args.placing.is_by_hand() && args.repeat {
+        return Err(Failure::config(
+            "--align without places and --repeat both wait for Enter: give --align the places",
+        ));
+    }
     let mut talk = Talk::open(&args.at.port, &machine)?;
     connection::require_idle(&talk.status)?;
+    let keyboard = (args.placing.is_by_hand() && std::io::stdin().is_terminal()).then(Keyboard::open);
+    let placing = args.placing.solve(job.crosses_mm, &mut talk, &machine, keyboard.as_ref())?;
+    let Some(placing) = placing else { talk.leave_stopped() };
+    let frame = job.frame(&placing, args)?;
+    let lines = frame.lines(tracing);
+    let settings = match args.placing.is_asked_for() {
+        true => settings_here(&talk, &machine)?,
+        false => job::check_settings(&machine, None),
+    };
+    let moves = checked(&lines, &settings)?;
     preflight(&talk, &Demand::of(&moves), &job, &machine, tracing.beam_s > 0.0)?;
     if tracing.beam_s > 0.0 && !args.yes {
         connection::confirm(&machine)?;
@@ -60,7 +79,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let began_mm = talk.status.work_mm.map(|[x, y, _]| [x, y]);
     talk.on_interrupt(OnInterrupt::Stop);
     let enough = args.repeat.then(wait_for_enter);
-    let corner = job.frame.corners.first().map(|p| [p.x, p.y]);
+    let corner = frame.corners.first().map(|p| [p.x, p.y]);
     let mut rounds = 0;
     let mut outcome = Outcome::Done;
     while outcome == Outcome::Done && !talk.interrupted() {
@@ -74,7 +93,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         // A board without switches takes where the head stands for its place when the port is opened again: it ends where it began.
         outcome = drive(&mut talk, Frame::way_to(began_mm.unwrap_or_default()), Some(began_mm.unwrap_or_default()))?;
     }
-    tell(&talk, args, &job.frame, tracing, rounds, &outcome, began_mm.is_some())?;
+    tell(&talk, args, &frame, tracing, rounds, &outcome, began_mm.is_some())?;
     match outcome {
         Outcome::Failed(trouble) => Err(connection::machine_failure(trouble)),
         _ if talk.interrupted() => talk.leave_stopped(),
@@ -84,14 +103,24 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 
 /// What is traced, and for which machines its files were made.
 struct Job {
-    frame: Frame,
+    extent: Extent,
     made_for: Option<String>,
+    crosses_mm: Option<[[f64; 2]; 2]>,
+}
+
+impl Job {
+    /// Its border where it is to lie.
+    fn frame(&self, placing: &Similarity, args: &Args) -> Result<Frame, Failure> {
+        let extent = self.extent.laid(placing);
+        let frame = if args.upright { extent.boxed() } else { extent.hull() };
+        frame.ok_or_else(|| refused(format!("{} burns nothing: there is no border to trace", args.job.display())))
+    }
 }
 
 fn read(args: &Args, machine: &Machine) -> Result<Job, Failure> {
     let burns = machine.tool.class.is_laser();
     let mut extent = Extent::default();
-    let mut made_for = None;
+    let (mut made_for, mut crosses_mm) = (None, None);
     for path in job_files::programs(&args.job)? {
         let name = path.display().to_string();
         let text =
@@ -99,11 +128,12 @@ fn read(args: &Args, machine: &Machine) -> Result<Job, Failure> {
         job::take_in(&mut extent, &name, &text, burns).map_err(|e| refused(e.to_string()))?;
         let label = job::Label::read(text.as_bytes()).map_err(Failure::config)?;
         made_for = made_for.or(label.machine);
+        crosses_mm = crosses_mm.or(label.crosses_mm);
     }
-    let frame = if args.upright { extent.boxed() } else { extent.hull() };
-    let frame =
-        frame.ok_or_else(|| refused(format!("{} burns nothing: there is no border to trace", args.job.display())))?;
-    Ok(Job { frame, made_for })
+    let job = Job { extent, made_for, crosses_mm };
+    // A job without a border is no reason to open a port.
+    job.frame(&Similarity::identity(), args)?;
+    Ok(job)
 }
 
 fn tracing(args: &Args, machine: &Machine) -> Result<Tracing, Failure> {
@@ -148,10 +178,10 @@ fn beam_share(machine: &Machine, asked_percent: Option<f64>) -> Result<f64, Fail
 }
 
 /// The moves, when the machine's file has nothing against them: reach, keep-outs.
-fn checked(lines: &[String], machine: &Machine) -> Result<Vec<gcode::Move>, Failure> {
+fn checked(lines: &[String], settings: &gcode::CheckSettings) -> Result<Vec<gcode::Move>, Failure> {
     let unfit = |why: String| refused(format!("the border cannot be traced: {why}"));
     let program = gcode::parse(&lines.join("\n")).map_err(|e| unfit(e.to_string()))?;
-    let report = gcode::check(&program, &job::check_settings(machine, None));
+    let report = gcode::check(&program, settings);
     if let Some(finding) = report.errors.first() {
         return Err(unfit(finding.message.clone()));
     }

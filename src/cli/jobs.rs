@@ -81,7 +81,13 @@ fn list(journal: &Journal, as_json: bool) -> Result<(), Failure> {
         let (Record { number, head, .. }, (sheet, of)) = (record, record.head.sheet);
         let sheet = if of > 1 { format!(" (sheet {sheet} of {of})") } else { String::new() };
         let name = format!("{}{sheet}", head.name);
-        vec![number.to_string(), ago(now_s.saturating_sub(head.began_unix_s)), head.machine.clone(), stands(record), name]
+        vec![
+            number.to_string(),
+            ago(now_s.saturating_sub(head.began_unix_s)),
+            head.machine.clone(),
+            stands(record),
+            name,
+        ]
     }));
     output::line(&output::table(&rows))
 }
@@ -147,7 +153,8 @@ fn prune(journal: &Journal, keep: usize, days: u64, as_json: bool) -> Result<(),
     for number in &removed {
         journal.remove(*number)?;
     }
-    let left = records.len() + journal.stillborn()?.len() - removed.iter().filter(|n| records.iter().any(|r| r.number == **n)).count();
+    let left = records.len() + journal.stillborn()?.len()
+        - removed.iter().filter(|n| records.iter().any(|r| r.number == **n)).count();
     if as_json {
         return output::json(&json!({ "removed": removed, "left": left }));
     }

@@ -4,9 +4,9 @@ use std::io::BufRead;
 use std::sync::mpsc::{self, Receiver, TryRecvError};
 use std::time::Duration;
 
-use super::talk::{OnInterrupt, Talk};
 use super::Failure;
 use super::connection::machine_failure;
+use super::talk::{OnInterrupt, Talk};
 use crate::stream::{Command, Event, Override, Trouble};
 
 /// How often the keyboard is looked at while somebody is asked.

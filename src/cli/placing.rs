@@ -6,7 +6,9 @@ use super::keyboard::Keyboard;
 use super::talk::Talk;
 use super::{Failure, jog};
 use crate::config::{Corner, Machine};
+use crate::gcode::CheckSettings;
 use crate::geom::{P2, Similarity, V2};
+use crate::job;
 use crate::stream::{Alignment, Command, Frame, Outcome};
 
 /// How fast the head is moved onto a cross by hand, mm/min.
@@ -139,6 +141,30 @@ pub(super) fn corner(talk: &Talk, machine: &Machine) -> Result<P2, Failure> {
     Ok(P2::new(x - offset[0], y - offset[1]))
 }
 
+/// What the machine permits, in work coordinates as they are now. Where it does not know its place, only how large a job may be is known, which is
+/// for the preflight to look at.
+///
+/// # Errors
+/// None where it does not know its place.
+pub(super) fn settings_here(talk: &Talk, machine: &Machine) -> Result<CheckSettings, Failure> {
+    if !knows_place(talk) {
+        return Ok(anywhere(machine));
+    }
+    let mut settings = job::check_settings(machine, None);
+    let by: V2 = corner(talk, machine)? - P2::origin();
+    for area in settings.keep_outs.iter_mut().map(|(_, area)| area).chain([&mut settings.work_area]) {
+        (area.min, area.max) = (area.min + by, area.max + by);
+    }
+    Ok(settings)
+}
+
+/// What the machine permits wherever its work zero lies.
+pub(super) fn anywhere(machine: &Machine) -> CheckSettings {
+    let settings = job::check_settings(machine, None);
+    let [x, y, _] = machine.controller.max_travel_mm;
+    CheckSettings { work_area: settings.work_area.grown(x.max(y)), keep_outs: Vec::new(), ..settings }
+}
+
 /// True when machine coordinates mean something.
 pub(super) fn knows_place(talk: &Talk) -> bool {
     talk.board.homed || talk.board.switch(20) == Some(true) && !talk.board.restarted
@@ -151,9 +177,8 @@ fn by_hand(
     machine: &Machine,
     keyboard: Option<&Keyboard>,
 ) -> Result<Option<[P2; 2]>, Failure> {
-    let nobody = || {
-        Failure::config("nobody is there to move the head onto the crosses; give their places: --align X1,Y1,X2,Y2")
-    };
+    let nobody =
+        || Failure::config("nobody is there to move the head onto the crosses; give their places: --align X1,Y1,X2,Y2");
     let keyboard = keyboard.ok_or_else(nobody)?;
     let mut found = [P2::origin(); 2];
     for (k, name) in ["first", "second"].into_iter().enumerate() {
@@ -162,7 +187,9 @@ fn by_hand(
             return Ok(None);
         }
         eprintln!("{}", talk.place());
-        eprintln!("move the head onto the {name} cross: how far, in mm (0.5 -1.2), then Enter; Enter alone when it is there");
+        eprintln!(
+            "move the head onto the {name} cross: how far, in mm (0.5 -1.2), then Enter; Enter alone when it is there"
+        );
         loop {
             let Some(line) = keyboard.answer(talk)? else { return Ok(None) };
             let way: Vec<f64> = line.split([' ', ',']).filter_map(|number| number.parse().ok()).collect();

@@ -60,7 +60,9 @@ pub fn restart(
                 }
                 // No more of the path is kept than the overlap may reach.
                 let mut kept_mm: f64 = path.iter().map(|leg| leg.length_mm).sum();
-                while let Some(first) = path.front().filter(|first| kept_mm - first.length_mm > overlap_mm.unwrap_or(0.0)) {
+                while let Some(first) =
+                    path.front().filter(|first| kept_mm - first.length_mm > overlap_mm.unwrap_or(0.0))
+                {
                     kept_mm -= first.length_mm;
                     path.pop_front();
                 }

@@ -82,7 +82,17 @@ impl Rewriter {
     pub fn new(start_mm: P3, placing: Similarity, laser: bool, from: Option<Restart>) -> Rewriter {
         let now = Written { z: start_mm.z, ..Written::default() };
         let interpreter = Interpreter::new(start_mm, [V3::zeros(); 6], [P3::origin(); 2]);
-        Rewriter { interpreter, placing, laser, from, begun: false, number: 0, top_mm: start_mm.z, now, out: Vec::new() }
+        Rewriter {
+            interpreter,
+            placing,
+            laser,
+            from,
+            begun: false,
+            number: 0,
+            top_mm: start_mm.z,
+            now,
+            out: Vec::new(),
+        }
     }
 
     /// The lines that stand for the next line of the program.
@@ -102,8 +112,7 @@ impl Rewriter {
             return Err(RewriteError::Elsewhere { line: number, word });
         }
         let before = (self.interpreter.position(), self.interpreter.modal());
-        let moves =
-            self.interpreter.line(&line).map_err(|problem| RewriteError::Trace { line: number, problem })?;
+        let moves = self.interpreter.line(&line).map_err(|problem| RewriteError::Trace { line: number, problem })?;
         self.top_mm = moves.iter().map(|m| m.to.z).fold(self.top_mm, f64::max);
         match self.from {
             Some(from) if number < from.line => {}

@@ -77,7 +77,8 @@ fn what_only_the_machine_knows_is_refused_with_its_line() {
         let error = rewriter.line(line).unwrap_err().to_string();
         assert!(error.starts_with("line 2: G") && error.contains("only the machine knows"), "{error}");
     }
-    let mut rewriter = Rewriter::new(P3::origin(), Similarity::identity(), true, Some(Restart { line: 9, along_mm: 0.0 }));
+    let mut rewriter =
+        Rewriter::new(P3::origin(), Similarity::identity(), true, Some(Restart { line: 9, along_mm: 0.0 }));
     rewriter.line("G0X1").unwrap();
     assert!(rewriter.finish().is_err());
 }

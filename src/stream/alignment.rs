@@ -57,7 +57,12 @@ impl fmt::Display for Alignment {
         let shift = self.placing.isometry.translation.vector;
         let turn = self.placing.isometry.rotation.angle().to_degrees();
         let scale = 100.0 * self.placing.scaling();
-        write!(f, "the sheet lies at X{:.3} Y{:.3}, turned {turn:.3} degrees, at {scale:.3} %", shift.x + 0.0, shift.y + 0.0)
+        write!(
+            f,
+            "the sheet lies at X{:.3} Y{:.3}, turned {turn:.3} degrees, at {scale:.3} %",
+            shift.x + 0.0,
+            shift.y + 0.0
+        )
     }
 }
 

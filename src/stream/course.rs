@@ -83,7 +83,8 @@ impl Course {
             interpreter.find(P3::from(at), V3::from(origin));
             Some(interpreter)
         };
-        let setting = |number: u16, usual: f64| board.settings.get(&number).copied().filter(|v| *v > 0.0).unwrap_or(usual);
+        let setting =
+            |number: u16, usual: f64| board.settings.get(&number).copied().filter(|v| *v > 0.0).unwrap_or(usual);
         Course {
             interpreter: interpreter(),
             legs: VecDeque::new(),
@@ -105,7 +106,8 @@ impl Course {
     /// A line was sent.
     pub(super) fn sent(&mut self, number: usize, text: &str) -> Effect {
         let Some(interpreter) = &mut self.interpreter else { return unfollowed(text) };
-        let line = parse_line(text, number).ok().filter(|line| !text.starts_with('$') && line.leads_elsewhere().is_none());
+        let line =
+            parse_line(text, number).ok().filter(|line| !text.starts_with('$') && line.leads_elsewhere().is_none());
         let Some(moves) = line.and_then(|line| interpreter.line(&line).ok()) else {
             // The board will refuse it, or goes where only it knows.
             self.interpreter = None;
@@ -260,7 +262,11 @@ mod tests {
         assert_eq!(reached(&mut course, 25.0, 10.01), Some((3, 15.0)));
         assert_eq!(reached(&mut course, 29.0, 10.0), Some((3, 19.0)));
         assert_eq!(course.legs.len(), 3);
-        assert_eq!(reached(&mut course, 30.0, 20.0), Some((4, 10.0)), "the end of one line before the start of the next");
+        assert_eq!(
+            reached(&mut course, 30.0, 20.0),
+            Some((4, 10.0)),
+            "the end of one line before the start of the next"
+        );
     }
 
     #[test]

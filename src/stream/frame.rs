@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::gcode::{Action, Move};
-use crate::geom::{P2, Rect, convex_hull, tolerance};
+use crate::geom::{P2, Rect, Similarity, convex_hull, tolerance};
 
 /// Points are replaced by their hull when there are so many, so that a long job needs no more memory than a short one.
 const POINTS: usize = 4096;
@@ -55,6 +55,11 @@ impl Extent {
             _ => 1,
         };
         self.add((0..=steps).map(|k| m.point_at(k as f64 / steps as f64).xy()));
+    }
+
+    /// The same, laid elsewhere.
+    pub fn laid(&self, placing: &Similarity) -> Extent {
+        Extent { points: self.points.iter().map(|p| placing * p).collect() }
     }
 
     /// The tightest border without dents; `None` around nothing.

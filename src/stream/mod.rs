@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! bytes, time, commands --Session--> bytes, events        Link: a session on a thread, with a Port and the clock
+//! reports, endings --Recorder--> Journal --Record--> where a job is taken up again
 //! moves, Board --preflight--> findings                    before the first line is sent
 //! moves --Extent--> Frame --lines--> a program            the border, to see where a job lies
 //! ```

@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
+use rustix::io::{FdFlags, fcntl_setfd};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
@@ -153,8 +154,10 @@ impl Terminal {
         unlockpt(&master)?;
         let name = ptsname(&master, Vec::new())?;
         fcntl_setfl(&master, OFlags::NONBLOCK)?;
+        // A program started meanwhile that held it too would keep the terminal alive when the board is unplugged.
+        fcntl_setfd(&master, FdFlags::CLOEXEC)?;
         // Without this the terminal would send every byte back and wait for whole lines. Closing the other end marks it as one nobody has.
-        let other = open(&name, OFlags::RDWR | OFlags::NOCTTY, Mode::empty())?;
+        let other = open(&name, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?;
         let mut modes = tcgetattr(&other)?;
         modes.make_raw();
         tcsetattr(&other, OptionalActions::Now, &modes)?;

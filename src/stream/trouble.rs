@@ -69,7 +69,9 @@ pub enum Trouble {
         found_mm: [f64; 2],
     },
     /// The head has left the way the program should take.
-    #[error("the head is {off_mm:.2} mm off the way of line {line}: a line was garbled on the way to the board, and what was cut since is wrong; look at it before you go on")]
+    #[error(
+        "the head is {off_mm:.2} mm off the way of line {line}: a line was garbled on the way to the board, and what was cut since is wrong; look at it before you go on"
+    )]
     OffPlan {
         /// How far from the nearest place of the lines under way, mm.
         off_mm: f64,

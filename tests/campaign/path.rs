@@ -1,7 +1,7 @@
 //! What a program should do and what a board did, made comparable.
 
 use furbelow::emulator::Segment;
-use furbelow::gcode::{Move, parse, trace};
+use furbelow::gcode::{Interpreter, Move, parse_line};
 use furbelow::geom::{P3, V3};
 
 /// Burnt paths and plans are compared at places this far apart, mm.
@@ -19,11 +19,13 @@ pub struct Plan {
 impl Plan {
     /// A program whose head stands at `start_mm` in work coordinates and whose work zero lies at `zero`.
     pub fn new(text: &str, start_mm: P3, zero: V3) -> Plan {
-        let mut moves = trace(&parse(text).expect("a program")).expect("moves");
-        let lines = text.lines().count() + 1;
-        if let Some(first) = moves.iter_mut().find(|m| m.goes()) {
-            first.from = start_mm;
+        let mut interpreter = Interpreter::new(start_mm, [V3::zeros(); 6], [P3::origin(); 2]);
+        let mut moves = Vec::new();
+        for (number, line) in (1..).zip(text.lines()) {
+            let made = interpreter.line(&parse_line(line, number).expect("a line")).expect("moves");
+            moves.extend(made.into_iter().map(|m| Move { line: number, ..m }));
         }
+        let lines = text.lines().count() + 1;
         let (mut way_mm, mut burnt_mm) = (vec![0.0; lines], vec![0.0; lines]);
         for m in &moves {
             way_mm[m.line] += m.length_mm();
@@ -91,6 +93,11 @@ fn off_segment(place: P3, s: &Segment) -> f64 {
 /// What a trace has burnt, mm.
 pub fn burnt_mm(trace: &[Segment]) -> f64 {
     trace.iter().filter(|s| s.is_lit()).map(Segment::length_mm).sum()
+}
+
+/// The light of a trace: share of full power times s.
+pub fn light_s(trace: &[Segment]) -> f64 {
+    trace.iter().map(|s| 0.5 * (s.start_power + s.end_power) * (s.end_s - s.start_s)).sum()
 }
 
 /// The way of a trace, lit or not, mm.

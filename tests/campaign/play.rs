@@ -6,7 +6,7 @@ use furbelow::geom::{P3, Similarity, V3};
 use furbelow::stream::{Command, Outcome, Progress, Trouble};
 use std::fmt::Write as _;
 
-use super::path::{Plan, burnt_mm, way_mm};
+use super::path::{Plan, burnt_mm, light_s, way_mm};
 use super::rig::Rig;
 
 /// What strikes, and what it does to the job.
@@ -123,6 +123,9 @@ const OVERLAP_MM: f64 = 0.5;
 /// Rounding of lengths: arcs are burnt in chords, positions come with three decimals and a step's width, and half a dozen lines are written anew, mm.
 const LENGTH_MM: f64 = 0.1;
 
+/// Light of the same path on boards that plan by other numbers of blocks may differ by its corners' share.
+const LIGHT_SHARE: f64 = 1e-3;
+
 /// A job with all that jobs have, within seconds: travels, corners, an arc, short segments, changes of power, dwells.
 pub fn job() -> String {
     let mut text = String::from(
@@ -183,13 +186,15 @@ pub struct Sound {
     plan: Plan,
     seconds: [f64; 2],
     start_mm: P3,
+    /// Light it takes, share of full power times s.
+    light_s: f64,
 }
 
 impl Sound {
     /// Runs it once on each kind of board.
     pub fn new() -> Sound {
         let text = job();
-        let mut start_mm = P3::origin();
+        let (mut start_mm, mut light) = (P3::origin(), 0.0);
         let seconds = Kin::ALL.map(|kin| {
             let mut rig = Rig::homed(Board::new(kin.hardware(1)));
             start_mm = rig.status.as_ref().and_then(|s| s.work_mm).map_or(start_mm, P3::from);
@@ -197,9 +202,10 @@ impl Sound {
             rig.send(&text, END);
             assert!(rig.until(60.0, |rig| rig.ending.is_some()), "{:?}", rig.status);
             assert_eq!(rig.ending.as_ref().map(|e| &e.outcome), Some(&Outcome::Done), "{:?}", rig.ending);
+            light = light_s(rig.board.trace());
             rig.now_s - began_s
         });
-        Sound { plan: Plan::new(&text, start_mm, ZERO), text, seconds, start_mm }
+        Sound { plan: Plan::new(&text, start_mm, ZERO), text, seconds, start_mm, light_s: light }
     }
 }
 
@@ -248,7 +254,7 @@ pub fn play(seed: u64, sound: &Sound) -> Run {
     // What the board holds it carries out.
     rig.wait(0.1);
     if !rig.connected {
-        rig.until(2.0 * job_s, |rig| !rig.board.is_moving() && rig.board.state() != State::Run);
+        rig.wait(job_s);
     }
     rig.wait(0.3);
     if rig.board.power() > 0.0 || rig.board.is_moving() {
@@ -267,6 +273,9 @@ pub fn play(seed: u64, sound: &Sound) -> Run {
     let done = outcome == Some(Outcome::Done);
     run.escaped = done && (run.stray_mm > STRAY_MM || sound.plan.missed_mm(&first) > STRAY_MM);
     judge(&mut run, done);
+    if done && !kind.alters() && (light_s(&first) / sound.light_s - 1.0).abs() > LIGHT_SHARE {
+        run.broken.push(format!("{} of {} of light", light_s(&first), sound.light_s));
+    }
     if !done && !kind.alters() {
         take_up(&mut rig, &mut run, sound, progress, &first, &mut random);
     }
@@ -330,7 +339,11 @@ fn account(rig: &Rig, run: &mut Run, sound: &Sound) {
             run.broken.push(format!("line {told} is told as done, and {done} is"));
         }
     }
-    run.behind = run.behind.max(sound.plan.lines_with_way(told, done.max(told)));
+    // Where answers and lines do not agree the account goes back to where they did, and the place the head was seen at stands beside it.
+    let disagree = matches!(rig.trouble, Some(Trouble::LostAnswer { .. } | Trouble::ExtraAnswer));
+    if !disagree {
+        run.behind = run.behind.max(sound.plan.lines_with_way(told, done.max(told)));
+    }
     if let Some(reached) = rig.progress.reached {
         let told_mm = sound.plan.way_mm[reached.line - 1] + reached.along_mm;
         if told_mm > way_mm(rig.board.trace()) + LENGTH_MM {
@@ -345,9 +358,16 @@ fn depart(rig: &Rig, run: &mut Run, sound: &Sound) {
     let running = rig.board.state() == State::Run && rig.trouble.is_none();
     // What the board says may be garbled: where it is counts.
     let off = sound.plan.off_mm(rig.board.position_mm(), true).min(sound.plan.off_mm(P3::from(place), true)) > STRAY_MM;
-    run.departed = if running && off { run.departed + 1 } else if running { 0 } else { run.departed };
+    run.departed = if running && off {
+        run.departed + 1
+    } else if running {
+        0
+    } else {
+        run.departed
+    };
     if run.departed > 2 {
         run.broken.push("a third report beside the way, and it goes on".to_owned());
+        run.departed = 0;
     }
 }
 

@@ -8,8 +8,8 @@ use std::sync::mpsc::{self, Receiver};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use furbelow::emulator::{Board, BoardSettings};
-use furbelow::geom::V3;
+use furbelow::emulator::{Board, BoardSettings, Fault, When};
+use furbelow::geom::{P3, V3};
 use serialport::{SerialPort, TTYPort};
 
 /// Emulated seconds in one of ours.
@@ -174,7 +174,26 @@ impl Socket {
         self.with(|board| board.trace().iter().filter(|s| s.is_lit()).map(|s| s.length_mm()).sum())
     }
 
-    /// Where the head really is, from where it began.
+    /// The box around what was burnt, where it really is, mm.
+    pub fn lit_bounds(&self) -> (P3, P3) {
+        self.with(|board| {
+            let lit = board.trace().iter().filter(|s| s.is_lit() && s.length_mm() > 0.0);
+            let far = P3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY);
+            lit.flat_map(|s| [s.from_mm, s.to_mm]).fold((far, -far), |(low, high), p| (low.inf(&p), high.sup(&p)))
+        })
+    }
+
+    /// Where the head really is, from the home corner.
+    pub fn real_mm(&self) -> P3 {
+        self.with(Board::head_mm)
+    }
+
+    /// Lets something go wrong.
+    pub fn strike(&self, when: When, fault: Fault) {
+        self.board.lock().expect("no panic on its thread").schedule(when, fault);
+    }
+
+    /// Where the head is as the board counts, from where it began.
     pub fn head_mm(&self) -> V3 {
         self.with(|board| board.position_mm().coords)
     }

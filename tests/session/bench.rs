@@ -1,7 +1,7 @@
 //! A board and a session on one virtual clock.
 
 use furbelow::emulator::{Board, BoardSettings, Segment, State};
-use furbelow::stream::{self, Action, Command, Ending, Event, Session, Settings, Trouble};
+use furbelow::stream::{self, Action, Command, Ending, Event, Session, Settings};
 use std::time::Duration;
 
 /// How often the session is told the time, s.
@@ -20,8 +20,6 @@ pub struct Bench {
     to_board: Vec<u8>,
     pub events: Vec<Event>,
     pub ending: Option<Ending>,
-    /// The first trouble that was told, and when.
-    pub trouble: Option<(f64, Trouble)>,
     pub halts: Vec<Halt>,
 }
 
@@ -34,7 +32,6 @@ impl Bench {
             to_board: Vec::new(),
             events: Vec::new(),
             ending: None,
-            trouble: None,
             halts: Vec::new(),
         }
     }
@@ -75,12 +72,8 @@ impl Bench {
             match action {
                 Action::Write(bytes) => self.to_board.extend(bytes),
                 Action::Event(event) => {
-                    match &event {
-                        Event::Ended(ending) => self.ending = Some(ending.clone()),
-                        Event::Trouble(trouble) if self.trouble.is_none() => {
-                            self.trouble = Some((self.now_s, trouble.clone()));
-                        }
-                        _ => {}
+                    if let Event::Ended(ending) = &event {
+                        self.ending = Some(ending.clone());
                     }
                     self.events.push(event);
                 }
@@ -127,12 +120,6 @@ impl Bench {
     pub fn run(&mut self, text: &str, ends_at_mm: Option<[f64; 2]>) {
         let lines: Vec<String> = text.lines().map(str::to_owned).collect();
         self.command(Command::Run { lines: Box::new(lines.into_iter().map(Ok)), ends_at_mm });
-    }
-
-    /// The system notices that the port is gone.
-    pub fn lose_link(&mut self) {
-        let actions = self.session.on_link_lost(self.now(), "unplugged");
-        self.act(actions);
     }
 
     /// Lit longer than it takes to brake and 50 ms after the board was halted: when, s.

@@ -68,3 +68,15 @@ fn startup_lines_of_the_board_are_no_answers_to_ours() {
     bench.wait(3.0);
     runs_whole(bench);
 }
+
+#[test]
+fn what_a_board_says_by_itself_is_told_and_nothing_else() {
+    let mut bench = Bench::new(Board::new(BoardSettings::fluid_nc()));
+    bench.get_ready();
+    bench.board.schedule(When::At(bench.now_s + 0.5), Fault::Chatter(3));
+    bench.run(&long_job(), None);
+    assert!(bench.until(200.0, |b| b.ending.is_some()));
+    assert_eq!(bench.ending.as_ref().map(|e| &e.outcome), Some(&Outcome::Done));
+    let told = bench.events.iter().filter(|e| matches!(e, Event::Message(m) if m.starts_with("INFO: heap"))).count();
+    assert_eq!(told, 3);
+}

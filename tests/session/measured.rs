@@ -4,7 +4,7 @@ use furbelow::emulator::BoardSettings;
 use furbelow::stream::{Command, Outcome};
 
 use super::bench::Bench;
-use super::burn::{Burn, planned_mm};
+use super::burn::{burnt_mm, planned_mm};
 
 const JOBS: [(&str, &str); 5] = [
     ("a-rectangles", include_str!("../planner_truth/a-rectangles.nc")),
@@ -24,8 +24,7 @@ fn the_measured_jobs_arrive_whole_and_are_burnt_as_they_are_written() {
         assert_eq!(ending.outcome, Outcome::Done, "{name}: {ending:?}");
         assert_eq!(bench.board.bytes_lost(), 0, "{name}");
         assert!(ending.beam_off && bench.board.power() == 0.0 && !bench.board.is_moving(), "{name}: {ending:?}");
-        let planned = planned_mm(text);
-        let (written, burnt) = (planned[planned.len() - 1], Burn::of(bench.board.trace()).length_mm());
+        let (written, burnt) = (planned_mm(text), burnt_mm(bench.board.trace()));
         // Arcs are burnt in chords.
         assert!((burnt / written - 1.0).abs() < 1e-3, "{name}: {burnt} mm of {written} mm");
     }

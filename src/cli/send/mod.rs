@@ -5,6 +5,7 @@
 //! ```
 
 mod board;
+mod fleet;
 mod keeping;
 mod placed;
 mod program;
@@ -36,7 +37,10 @@ pub struct Args {
     #[arg(value_name = "JOB.nc|DIR")]
     job: PathBuf,
     #[command(flatten)]
-    at: Where,
+    at: Option<Where>,
+    /// Several machines at once, each NAME@PORT; the sheets of the folder are dealt out among them
+    #[arg(long, value_name = "NAME@PORT,...", value_delimiter = ',', conflicts_with_all = ["machine", "port", "zero", "fix", "check_on_board", "from", "align"])]
+    machines: Vec<String>,
     /// Material on the bed (see `furbelow profile list`), or a path: adds its own checklist [default: the one the file names]
     #[arg(short = 'p', long, alias = "profile")]
     material: Option<String>,
@@ -74,6 +78,7 @@ pub struct Args {
 /// All that is at hand while a job is sent.
 struct Sending<'a> {
     args: &'a Args,
+    at: &'a Where,
     machine: Machine,
     programs: Vec<Program>,
     /// What is to be done before every job, on this machine and with these materials.
@@ -89,9 +94,15 @@ struct Sending<'a> {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let machine = args.at.machine()?;
+    if !args.machines.is_empty() {
+        return fleet::run(args);
+    }
+    let at = args.at.as_ref().ok_or_else(|| {
+        Failure::config("name the machine and its port (-m and --port), or several with --machines NAME@PORT,...")
+    })?;
+    let machine = at.machine()?;
     let mut teller = Teller::new(args.json, machine.controller.max_s);
-    let sent = send(args, machine, &mut teller);
+    let sent = send(args, at, machine, &mut teller);
     tell_end(sent, &teller)
 }
 
@@ -123,7 +134,7 @@ fn tell_end(sent: Result<Outcome, Failure>, teller: &Teller) -> Result<(), Failu
 }
 
 /// From the arguments to the end of the last sheet. The board is let go of at its end, whatever that is.
-fn send(args: &Args, machine: Machine, teller: &mut Teller) -> Result<Outcome, Failure> {
+fn send(args: &Args, at: &Where, machine: Machine, teller: &mut Teller) -> Result<Outcome, Failure> {
     let files = files(args)?;
     let somebody = std::io::stdin().is_terminal();
     if !somebody && !args.yes {
@@ -144,10 +155,10 @@ fn send(args: &Args, machine: Machine, teller: &mut Teller) -> Result<Outcome, F
             teller.warn("check", &format!("{}: {count}; furbelow check tells them", program.name()))?;
         }
     }
-    let talk = Talk::open(&args.at.port, &machine)?;
+    let talk = Talk::open(&at.port, &machine)?;
     let keyboard = somebody.then(Keyboard::open);
     let scratch = tempfile::tempdir()?;
-    let mut sending = Sending { args, machine, programs, setup, keyboard, talk, teller, scratch, resumes: None };
+    let mut sending = Sending { args, at, machine, programs, setup, keyboard, talk, teller, scratch, resumes: None };
     if !sending.get_ready()? || !sending.place_programs()? {
         return Ok(Outcome::Stopped);
     }
@@ -190,7 +201,8 @@ fn check(files: &[PathBuf], machine: &Machine) -> Result<Vec<Program>, Failure> 
     }
     let mut before = 0;
     let programs = files.iter().map(|path| {
-        let program = Program::read(path, path.display().to_string(), &settings, |done| bar.set_position(before + done));
+        let program =
+            Program::read(path, path.display().to_string(), &settings, |done| bar.set_position(before + done));
         before += size(path);
         program
     });

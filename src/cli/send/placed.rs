@@ -1,11 +1,10 @@
 //! Programs that lie elsewhere than at work zero: written anew where they are to lie, and checked there.
 
 use super::super::Failure;
-use super::super::placing::{corner, knows_place};
+use super::super::placing::settings_here;
 use super::Sending;
-use crate::gcode::{CheckSettings, Restart, Rewriter};
-use crate::geom::{P2, P3, Similarity, V2};
-use crate::job;
+use crate::gcode::{Restart, Rewriter};
+use crate::geom::{P3, Similarity};
 
 impl Sending<'_> {
     /// Lays every program where the arguments say. False when the user has broken it off.
@@ -39,19 +38,8 @@ impl Sending<'_> {
     ) -> Result<(), Failure> {
         let rewriter = Rewriter::new(start_mm, placing, self.machine.tool.class.is_laser(), from);
         let path = self.scratch.path().join(format!("{k}.nc"));
-        self.programs[k] = self.programs[k].rewritten(rewriter, &placing, &path, &self.settings_here()?)?;
+        let settings = settings_here(&self.talk, &self.machine)?;
+        self.programs[k] = self.programs[k].rewritten(rewriter, &placing, &path, &settings)?;
         Ok(())
-    }
-
-    /// What the machine permits, in work coordinates as they are now where the machine knows its place; else with work zero in its corner.
-    fn settings_here(&self) -> Result<CheckSettings, Failure> {
-        let mut settings = job::check_settings(&self.machine, None);
-        if knows_place(&self.talk) {
-            let by: V2 = corner(&self.talk, &self.machine)? - P2::origin();
-            for area in settings.keep_outs.iter_mut().map(|(_, area)| area).chain([&mut settings.work_area]) {
-                (area.min, area.max) = (area.min + by, area.max + by);
-            }
-        }
-        Ok(settings)
     }
 }

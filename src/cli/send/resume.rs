@@ -9,16 +9,15 @@ use std::path::PathBuf;
 
 use super::super::connection::{Where, refused};
 use super::super::keyboard::Keyboard;
-use super::super::placing::{Placing, drive_to, knows_place};
+use super::super::placing::{Placing, anywhere, drive_to, knows_place};
 use super::super::talk::Talk;
 use super::super::{Failure, jobs, output};
 use super::program::Program;
 use super::teller::Teller;
 use super::{Sending, setup, tell_end};
 use crate::config::Machine;
-use crate::gcode::{self, CheckSettings, Restart, restart};
+use crate::gcode::{self, Restart, restart};
 use crate::geom::{P2, P3, Similarity, V2};
-use crate::job;
 use crate::stream::{Outcome, Progress, Reached, Record, Standing};
 
 /// A head this near to where it was last seen has not been moved, mm: half a step of a coarse machine and three decimals.
@@ -82,7 +81,8 @@ pub(in crate::cli) fn run(args: &Args) -> Result<(), Failure> {
     let mut teller = Teller::new(args.json, machine.controller.max_s);
     let sending_args = super::Args {
         job: PathBuf::from(&record.head.name),
-        at,
+        at: None,
+        machines: Vec::new(),
         material: None,
         from_sheet: record.head.sheet.0,
         placing: Placing::by_crosses(args.align.as_ref().map(Option::as_deref))?,
@@ -95,7 +95,7 @@ pub(in crate::cli) fn run(args: &Args) -> Result<(), Failure> {
         anyway: false,
         json: args.json,
     };
-    let sent = resume(args, &sending_args, machine, record, &mut teller);
+    let sent = resume(args, &sending_args, &at, machine, record, &mut teller);
     tell_end(sent, &teller)
 }
 
@@ -125,6 +125,7 @@ fn chosen(number: Option<u32>) -> Result<Record, Failure> {
 fn resume(
     args: &Args,
     sending_args: &super::Args,
+    at: &Where,
     machine: Machine,
     record: Record,
     teller: &mut Teller,
@@ -143,6 +144,7 @@ fn resume(
         ));
     }
     let path = record.program()?;
+    // Where its rest is to lie it is checked again.
     let program = Program::read(&path, record.head.name.clone(), &anywhere(&machine), |_| ())?;
     let Some(from) = place_to_go_on(args, &record)? else {
         teller.say(&format!("nothing is left to cut of job {}", record.number));
@@ -150,11 +152,21 @@ fn resume(
     };
     let programs = vec![program];
     let setup = setup(sending_args, &machine, &programs, teller)?;
-    let talk = Talk::open(&sending_args.at.port, &machine)?;
+    let talk = Talk::open(&at.port, &machine)?;
     let keyboard = somebody.then(Keyboard::open);
     let scratch = tempfile::tempdir()?;
-    let mut sending =
-        Sending { args: sending_args, machine, programs, setup, keyboard, talk, teller, scratch, resumes: Some(record) };
+    let mut sending = Sending {
+        args: sending_args,
+        at,
+        machine,
+        programs,
+        setup,
+        keyboard,
+        talk,
+        teller,
+        scratch,
+        resumes: Some(record),
+    };
     if !sending.get_ready()? {
         return Ok(Outcome::Stopped);
     }
@@ -168,19 +180,16 @@ fn resume(
     sending.go()
 }
 
-/// What the machine permits wherever its work zero lies: the copy may have been laid elsewhere than the original, and where its rest is to lie it is
-/// checked again.
-fn anywhere(machine: &Machine) -> CheckSettings {
-    let settings = job::check_settings(machine, None);
-    let [x, y, _] = machine.controller.max_travel_mm;
-    CheckSettings { work_area: settings.work_area.grown(x.max(y)), keep_outs: Vec::new(), ..settings }
-}
-
 /// Says what is known.
 fn tell(record: &Record, teller: &Teller) -> Result<(), Failure> {
     let Progress { executed, reached, .. } = record.progress();
     let (number, head) = (record.number, &record.head);
-    let mut text = format!("job {number}: {}, {}; of {} lines {executed} are surely carried out", head.name, record.standing.word(), head.lines);
+    let mut text = format!(
+        "job {number}: {}, {}; of {} lines {executed} are surely carried out",
+        head.name,
+        record.standing.word(),
+        head.lines
+    );
     if record.maybe() > executed {
         text += &format!(", up to {} may be", record.maybe());
     }

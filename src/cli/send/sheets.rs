@@ -59,6 +59,7 @@ impl Sending<'_> {
                 job: keeping.number(),
             };
             self.teller.begins(about)?;
+            self.heed(&mut keeping)?;
             if k == 0 && self.keyboard.is_some() {
                 self.teller.say(WORDS);
             }
@@ -67,7 +68,8 @@ impl Sending<'_> {
             self.talk.command(Command::Run { lines, ends_at_mm });
             let ending = self.follow(forecast, &mut keeping)?;
             self.talk.on_interrupt(OnInterrupt::Leave);
-            keeping.ends(&ending, self.teller)?;
+            keeping.ends(&ending);
+            self.heed(&mut keeping)?;
             self.teller.ends(&ending)?;
             if ending.outcome != Outcome::Done {
                 if let Some(number) = keeping.number() {
@@ -91,12 +93,13 @@ impl Sending<'_> {
             match self.talk.next(EVENT_WAIT) {
                 Some(Event::Status(status, progress)) => {
                     runs |= progress.sent > 0;
-                    keeping.reports(&status, progress, self.teller)?;
+                    keeping.reports(&status, progress);
+                    self.heed(keeping)?;
                     let outlook = forecast.on_status(self.teller.now(), &status, progress);
                     self.teller.reports(&status, progress, outlook)?;
                 }
                 Some(Event::Trouble(trouble)) => {
-                    keeping.troubled(&trouble, self.teller)?;
+                    keeping.troubled(&trouble);
                     self.teller.note("trouble", &trouble.to_string())?;
                 }
                 Some(Event::Message(message)) => self.teller.note("message", &message)?,
@@ -156,5 +159,4 @@ impl Sending<'_> {
         let answer = self.ask(&format!("{question} [y/N]"))?;
         Ok(answer.is_some_and(|answer| matches!(answer.trim().to_ascii_lowercase().as_str(), "y" | "yes")))
     }
-
 }

@@ -56,7 +56,8 @@ impl Journal {
     /// # Errors
     /// The folder is there and cannot be read.
     pub fn records(&self) -> Result<Vec<Record>, JournalError> {
-        let mut records: Vec<Record> = self.numbers()?.into_iter().filter_map(|number| self.record(number).ok()).collect();
+        let mut records: Vec<Record> =
+            self.numbers()?.into_iter().filter_map(|number| self.record(number).ok()).collect();
         records.sort_by_key(|record| record.number);
         Ok(records)
     }

@@ -158,8 +158,7 @@ fn standing(notes: &[Note], held: bool) -> Standing {
 
 /// True while a sender holds a job's folder.
 pub(super) fn is_held(folder: &Path) -> bool {
-    File::open(folder.join(LOCK))
-        .is_ok_and(|lock| matches!(lock.try_lock_shared(), Err(fs::TryLockError::WouldBlock)))
+    File::open(folder.join(LOCK)).is_ok_and(|lock| matches!(lock.try_lock_shared(), Err(fs::TryLockError::WouldBlock)))
 }
 
 fn hash_of(path: &Path) -> io::Result<String> {

@@ -53,10 +53,8 @@ impl Recorder {
         let mut recorder =
             Recorder { number, folder, log, bytes: 0, kept: Vec::new(), synced: Instant::now(), _lock: lock };
         recorder.note(&Note::new(Mark::Begun, 0.0, Progress::default()))?;
-        let text = serde_json::to_string_pretty(&head).map_err(|e| JournalError::Garbled {
-            path: recorder.folder.join(HEAD),
-            reason: e.to_string(),
-        })?;
+        let text = serde_json::to_string_pretty(&head)
+            .map_err(|e| JournalError::Garbled { path: recorder.folder.join(HEAD), reason: e.to_string() })?;
         recorder.replace(HEAD, text.as_bytes())?;
         Ok(recorder)
     }

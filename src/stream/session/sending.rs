@@ -67,13 +67,7 @@ impl Session {
                     bytes.push(b'\n');
                     self.rest_reports = 0;
                     self.idle_since = None;
-                    self.window.push(Entry {
-                        text: line.text,
-                        kind,
-                        alone: line.alone,
-                        dwell_s: line.dwell_s,
-                        effect,
-                    });
+                    self.window.push(Entry { text: line.text, kind, alone: line.alone, dwell_s: line.dwell_s, effect });
                 }
                 Ok(None) => break None,
                 Err(trouble) => break Some(trouble),

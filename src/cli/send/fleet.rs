@@ -1,0 +1,328 @@
+//! Several machines at once: the sheets are dealt out, each machine takes the next when it has done its own, and one that fails holds no other up.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use super::super::connection::{
+    self, EVENT_WAIT, failed, machine_failure, open_at, refused, require_board, wait_until_asked,
+};
+use super::super::{Exit, Failure, output};
+use super::keeping::Keeping;
+use super::program::Program;
+use super::{Args, check, files};
+use crate::config::{Library, Machine};
+use crate::job;
+use crate::stream::{
+    self, Board, Command, Ending, Event, Head, Link, Outcome, State, Status, Trouble, Weight, lasting_name,
+};
+
+/// One machine of several.
+struct Member {
+    /// "diode-400@/dev/ttyUSB0".
+    name: String,
+    /// As it was given.
+    machine_name: String,
+    machine: Machine,
+    port: String,
+    /// All sheets, checked for this machine.
+    programs: Vec<Program>,
+}
+
+/// What all machines share.
+struct Fleet<'a> {
+    args: &'a Args,
+    /// Sheets nobody has taken, by their place in the folder.
+    waiting: Mutex<VecDeque<usize>>,
+    done: Mutex<Vec<usize>>,
+    began: Instant,
+    interrupted: Arc<AtomicBool>,
+    sessions: Arc<Mutex<Vec<Sender<Command>>>>,
+}
+
+/// Sends all sheets to all machines.
+///
+/// # Errors
+/// A machine or program that is not in order, before anything moves; at the end, any machine that failed.
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let files = files(args)?;
+    let members = members(args, &files)?;
+    if !args.yes {
+        return Err(Failure::config(
+            "several machines at once are not asked one by one: give --yes when all checklists are done",
+        ));
+    }
+    if files.len() > members.len() && args.pause_s.is_none() {
+        return Err(Failure::config(format!(
+            "{} for {}: say with --pause-s how many seconds loading the next sheet takes",
+            output::count(files.len(), "sheet"),
+            output::count(members.len(), "machine")
+        )));
+    }
+    let fleet = Fleet {
+        args,
+        waiting: Mutex::new((0..files.len()).collect()),
+        done: Mutex::new(Vec::new()),
+        began: Instant::now(),
+        interrupted: Arc::default(),
+        sessions: Arc::default(),
+    };
+    let (interrupted, sessions) = (Arc::clone(&fleet.interrupted), Arc::clone(&fleet.sessions));
+    let on_interrupt = move || {
+        interrupted.store(true, Ordering::SeqCst);
+        // A session that has ended has told why.
+        locked(&sessions).iter().for_each(|session| _ = session.send(Command::Stop));
+    };
+    ctrlc::set_handler(on_interrupt).map_err(Failure::config)?;
+    let failures: Vec<String> = std::thread::scope(|scope| {
+        let work = |member: Member| {
+            let fleet = &fleet;
+            scope.spawn(move || {
+                let ended = fleet.serve(&member);
+                ended.err().map(|failure| {
+                    let why = failure.chain().map(ToString::to_string).collect::<Vec<_>>().join(": ");
+                    // The others go on, whoever listens.
+                    let _ = fleet.tell(&member, None, "failed", &why);
+                    format!("{}: {why}", member.name)
+                })
+            })
+        };
+        let workers: Vec<_> = members.into_iter().map(work).collect();
+        let ended = workers.into_iter().map(|worker| worker.join());
+        ended
+            .filter_map(|ended| ended.unwrap_or_else(|_| Some("a bug ended the work for one machine".to_owned())))
+            .collect()
+    });
+    fleet.over(files.len(), &failures)
+}
+
+/// Reads "NAME@PORT" for each machine, and checks every sheet for it.
+fn members(args: &Args, files: &[PathBuf]) -> Result<Vec<Member>, Failure> {
+    let library = Library::open();
+    let mut members: Vec<Member> = Vec::new();
+    for text in &args.machines {
+        let (machine_name, port) = text.split_once('@').ok_or_else(|| {
+            Failure::config(format!("--machines {text}: each is NAME@PORT, such as diode-400@/dev/ttyUSB0"))
+        })?;
+        if let Some(twin) = members.iter().find(|member| member.port == port && port != "emulator") {
+            return Err(Failure::config(format!("--machines: {} and {text} hang on the same port", twin.name)));
+        }
+        let machine = library.machine(machine_name)?;
+        require_board(&machine)?;
+        let programs = check(files, &machine)?;
+        let (name, port, machine_name) = (text.clone(), port.to_owned(), machine_name.to_owned());
+        members.push(Member { name, machine_name, machine, port, programs });
+    }
+    Ok(members)
+}
+
+impl Fleet<'_> {
+    /// Takes sheets for one machine until there are no more.
+    fn serve(&self, member: &Member) -> Result<(), Failure> {
+        let link = open_at(&member.port, member.machine.controller.baud)?;
+        locked(&self.sessions).extend(link.commands());
+        let (mut board, mut status) = wait_until_asked(&link, &mut Vec::new(), false)?;
+        if self.args.home {
+            (board, status) = home(&link)?;
+        }
+        connection::require_idle(&status)?;
+        let mut first = true;
+        while let Some(k) = self.next() {
+            let cut = self.load(member, k, std::mem::take(&mut first)).and_then(|goes_on| match goes_on {
+                true => self.cut(member, k, &link, &board, &mut status).map(Some),
+                false => Ok(None),
+            });
+            match cut {
+                Ok(Some(ending)) if ending.outcome == Outcome::Done => locked(&self.done).push(k),
+                Ok(Some(ending)) => {
+                    return match ending.outcome {
+                        Outcome::Failed(trouble) => Err(machine_failure(trouble)),
+                        Outcome::Done | Outcome::Stopped => Ok(()),
+                    };
+                }
+                Ok(None) => return Ok(self.put_back(k)),
+                Err(failure) => {
+                    self.put_back(k);
+                    return Err(failure);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn next(&self) -> Option<usize> {
+        if self.interrupted.load(Ordering::SeqCst) { None } else { locked(&self.waiting).pop_front() }
+    }
+
+    /// A sheet that was not begun is for another machine.
+    fn put_back(&self, k: usize) {
+        locked(&self.waiting).push_front(k);
+    }
+
+    /// Gives whoever loads the time for it. False when it was stopped meanwhile.
+    fn load(&self, member: &Member, k: usize, first: bool) -> Result<bool, Failure> {
+        let program = &member.programs[k];
+        let stock = program.stock().unwrap_or_else(|| program.name());
+        self.tell(member, Some(k), "load", &format!("sheet {}: {stock}", k + self.args.from_sheet))?;
+        let until = Instant::now() + Duration::from_secs(self.args.pause_s.filter(|_| !first).unwrap_or(0).into());
+        while Instant::now() < until && !self.interrupted.load(Ordering::SeqCst) {
+            std::thread::sleep(EVENT_WAIT.min(until.saturating_duration_since(Instant::now())));
+        }
+        Ok(!self.interrupted.load(Ordering::SeqCst))
+    }
+
+    fn cut(
+        &self,
+        member: &Member,
+        k: usize,
+        link: &Link,
+        board: &Board,
+        status: &mut Status,
+    ) -> Result<Ending, Failure> {
+        let program = &member.programs[k];
+        let expected = job::expected(&member.machine);
+        for finding in stream::preflight(&program.survey.demand, program.label.machine.as_deref(), board, &expected) {
+            if finding.weight == Weight::Refusal && !(self.args.anyway && finding.code == "other-machine") {
+                return Err(refused(finding.message));
+            }
+            self.tell(member, Some(k), "warning", &finding.message)?;
+        }
+        let mut head = Head::new(program.name(), &member.machine_name, lasting_name(&member.port), board);
+        let place = k + self.args.from_sheet;
+        head.sheet = program.place((place, self.args.from_sheet - 1 + member.programs.len()));
+        head.laser = member.machine.tool.class.is_laser();
+        head.start_mm = status.work_mm;
+        let (mut keeping, lines) = Keeping::take_up(program, head, None)?;
+        let number = keeping.number().map_or(String::new(), |number| format!(", job {number}"));
+        self.tell(member, Some(k), "sheet", &format!("{}{number}", program.name()))?;
+        link.command(Command::Run { lines, ends_at_mm: program.survey.demand.ends_at_mm });
+        let ending = self.follow(member, k, link, &mut keeping, status)?;
+        keeping.ends(&ending);
+        self.tell(member, Some(k), "sheet-end", &ending.account())?;
+        Ok(ending)
+    }
+
+    fn follow(
+        &self,
+        member: &Member,
+        k: usize,
+        link: &Link,
+        keeping: &mut Keeping,
+        status: &mut Status,
+    ) -> Result<Ending, Failure> {
+        let mut waited = Duration::ZERO;
+        loop {
+            if let Some(complaint) = keeping.complaint() {
+                self.tell(member, Some(k), "warning", &complaint)?;
+            }
+            let Some((_, event)) = link.next(EVENT_WAIT) else {
+                waited += EVENT_WAIT;
+                // A session says something every moment while its thread lives.
+                if waited > Duration::from_secs(30) {
+                    return Err(failed("nothing is heard from the session any more"));
+                }
+                continue;
+            };
+            waited = Duration::ZERO;
+            match event {
+                Event::Status(report, progress) => {
+                    keeping.reports(&report, progress);
+                    *status = report;
+                }
+                Event::Trouble(trouble) => {
+                    keeping.troubled(&trouble);
+                    self.tell(member, Some(k), "trouble", &trouble.to_string())?;
+                }
+                Event::Message(message) => self.tell(member, Some(k), "message", &message)?,
+                Event::Denied(reason) if !self.interrupted.load(Ordering::SeqCst) => return Err(failed(reason)),
+                Event::Ended(ending) => return Ok(ending),
+                _ => {}
+            }
+        }
+    }
+
+    fn tell(&self, member: &Member, sheet: Option<usize>, event: &str, message: &str) -> Result<(), Failure> {
+        if !self.args.json {
+            return output::line(&format!("{}: {message}", member.name));
+        }
+        let object: Value = json!({
+            "t_s": (self.began.elapsed().as_secs_f64() * 1e3).round() / 1e3, "event": event, "machine": member.name,
+            "sheet": sheet.map(|k| k + self.args.from_sheet), "message": message,
+        });
+        output::line(&object.to_string())
+    }
+
+    /// Says how it all ended.
+    fn over(&self, sheets: usize, failures: &[String]) -> Result<(), Failure> {
+        let mut done: Vec<usize> = locked(&self.done).iter().map(|k| k + self.args.from_sheet).collect();
+        done.sort_unstable();
+        let left: Vec<usize> =
+            (0..sheets).map(|k| k + self.args.from_sheet).filter(|sheet| !done.contains(sheet)).collect();
+        let interrupted = self.interrupted.load(Ordering::SeqCst);
+        let outcome = match () {
+            () if left.is_empty() => "done",
+            () if interrupted => "stopped",
+            () => "failed",
+        };
+        if self.args.json {
+            let object =
+                json!({ "event": "end", "outcome": outcome, "done": done, "left": left, "failures": failures });
+            output::line(&object.to_string())?;
+        } else {
+            let list = |sheets: &[usize]| sheets.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+            let left = if left.is_empty() { String::new() } else { format!("; not done: {}", list(&left)) };
+            output::line(&format!("sheets done: {}{left}", list(&done)))?;
+        }
+        match () {
+            () if left.is_empty() => Ok(()),
+            () if interrupted => std::process::exit(Exit::STOPPED),
+            () => Err(failed(format!("not all sheets are cut: {}", failures.join("; ")))),
+        }
+    }
+}
+
+/// Seeks the switches and asks everything again.
+fn home(link: &Link) -> Result<(Board, Status), Failure> {
+    link.command(Command::Home);
+    let mut homed = false;
+    loop {
+        match link.next(EVENT_WAIT) {
+            Some((_, Event::Answered { error: None, .. })) => {
+                homed = true;
+                link.command(Command::Ask);
+            }
+            Some((_, Event::Answered { error: Some(code), .. })) => {
+                return Err(failed(format!("it cannot be homed: error:{code}")));
+            }
+            Some((_, Event::Ready(board))) if homed => {
+                let status = rest(link)?;
+                return Ok((Board { offset_mm: connection::offset(&status).or(board.offset_mm), ..board }, status));
+            }
+            Some((_, Event::Trouble(trouble))) => return Err(machine_failure(trouble)),
+            Some((_, Event::Denied(reason))) => return Err(failed(reason)),
+            Some((_, Event::Restarted)) => return Err(machine_failure(Trouble::Restarted)),
+            Some(_) | None => {}
+        }
+    }
+}
+
+/// Waits for a report of rest.
+fn rest(link: &Link) -> Result<Status, Failure> {
+    loop {
+        match link.next(EVENT_WAIT) {
+            Some((_, Event::Status(status, _))) if status.state == State::Idle => return Ok(status),
+            Some((_, Event::Trouble(trouble))) => return Err(machine_failure(trouble)),
+            Some(_) | None => {}
+        }
+    }
+}
+
+fn locked<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    // A panic elsewhere leaves lists of whole things.
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
