@@ -5,6 +5,7 @@ use std::net::TcpListener;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{self, Receiver};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -150,6 +151,7 @@ impl Drop for Running {
 pub struct Socket {
     pub port: String,
     board: Arc<Mutex<Board>>,
+    hangs_up: Arc<AtomicBool>,
 }
 
 impl Socket {
@@ -157,9 +159,10 @@ impl Socket {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let port = format!("tcp:127.0.0.1:{}", listener.local_addr().expect("bound").port());
         let board = Arc::new(Mutex::new(Board::new(hardware)));
-        let served = Arc::clone(&board);
-        std::thread::spawn(move || serve(&listener, &served));
-        Socket { port, board }
+        let hangs_up = Arc::<AtomicBool>::default();
+        let (served, hanging) = (Arc::clone(&board), Arc::clone(&hangs_up));
+        std::thread::spawn(move || serve(&listener, &served, &hanging));
+        Socket { port, board, hangs_up }
     }
 
     fn with<T>(&self, look: impl FnOnce(&Board) -> T) -> T {
@@ -188,6 +191,11 @@ impl Socket {
         self.with(Board::head_mm)
     }
 
+    /// Ends the connection there is.
+    pub fn hang_up(&self) {
+        self.hangs_up.store(true, Ordering::SeqCst);
+    }
+
     /// Lets something go wrong.
     pub fn strike(&self, when: When, fault: Fault) {
         self.board.lock().expect("no panic on its thread").schedule(when, fault);
@@ -199,14 +207,14 @@ impl Socket {
     }
 }
 
-fn serve(listener: &TcpListener, board: &Mutex<Board>) {
+fn serve(listener: &TcpListener, board: &Mutex<Board>, hangs_up: &AtomicBool) {
     let began = Instant::now();
     let now_s = || began.elapsed().as_secs_f64() * HASTE;
     let mut buffer = [0; 4096];
     while let Ok((mut stream, _)) = listener.accept() {
         stream.set_read_timeout(Some(Duration::from_millis(1))).expect("set");
         board.lock().expect("no panic").open(now_s());
-        loop {
+        while !hangs_up.swap(false, Ordering::SeqCst) {
             let bytes = match stream.read(&mut buffer) {
                 Ok(0) => break,
                 Ok(n) => &buffer[..n],

@@ -112,6 +112,19 @@ fn a_sender_that_is_killed_leaves_a_journal_from_which_the_job_is_finished() {
 }
 
 #[test]
+fn a_network_that_drops_ends_the_job_and_what_the_board_still_did_is_cut_again() {
+    let (scratch, socket) = (scratch(), Socket::new(homing()));
+    let running = cutting(&scratch, &socket.port, &["--home"]);
+    socket.hang_up();
+    let (code, told) = running.ends();
+    assert!(code == 3 && told.contains("BY HAND"), "{told}");
+    assert_eq!(jobs(&scratch)[0]["standing"], "failed");
+    let (code, stdout, stderr) = run(&scratch, &["resume", "--yes", "--home"]);
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    assert!(socket.is_dark_now() && socket.burnt_mm() > whole_mm(30) - 0.1, "all of it is cut");
+}
+
+#[test]
 fn without_switches_a_job_goes_on_only_by_its_crosses_or_a_new_zero() {
     let (scratch, socket) = (scratch(), Socket::new(BoardSettings::default()));
     let running = cutting(&scratch, &socket.port, &[]);
