@@ -152,7 +152,7 @@ impl Rewriter {
             // A tool that is lifted by what else would be the power must be up while it travels.
             self.switch(&before);
         }
-        if self.top_mm > place.z {
+        if self.top_mm != self.now.z || place.z != self.now.z {
             self.say(&[('G', 0.0), ('Z', self.top_mm)]);
             (self.now.motion, self.now.z) = (Some(0), self.top_mm);
         }
@@ -173,7 +173,8 @@ impl Rewriter {
                     }
                     self.say(&[('G', 4.0), ('P', seconds)]);
                 }
-                Action::Rapid => self.go(0, m.to, &[], Some(m.power_s), None),
+                // Laser mode keeps the beam off in travels; not every firmware does.
+                Action::Rapid => self.go(0, m.to, &[], Some(0.0), None),
                 Action::Line => self.go(1, m.to, &[], Some(m.power_s), Some(m.feed_mm_per_min)),
                 Action::Arc { center, sweep_rad, .. } => self.arc(m, center, sweep_rad),
             }

@@ -66,7 +66,7 @@ fn a_pen_is_up_while_it_travels_to_where_it_goes_on() {
     assert_eq!(text, "G21G90G94G17G54M5S0\nM3S40\nG0X5Y5\nM3S90\nG4P0.2\nG1X9F900\nM3S40\nG4P0.2\nG0X0Y0\nM5S0\n");
     let lift = "G21G90\nG0Z3\nX5Y5\nG1Z0F800\nX9\nG0Z3\nX0Y0\n";
     let text = rewritten(lift, Similarity::identity(), false, Some(Restart { line: 3, along_mm: 1e9 }));
-    assert_eq!(text, "G21G90G94G17G54M5S0\nG0X5Y5Z3\nG1Z0F800\nX9\nG0Z3\nX0Y0\n");
+    assert_eq!(text, "G21G90G94G17G54M5S0\nG0Z3\nX5Y5\nG1Z0F800\nX9\nG0Z3\nX0Y0\n");
 }
 
 #[test]
