@@ -167,27 +167,45 @@ impl Course {
         Some(Reached { line: leg.line, along_mm: leg.before_mm + sure.along_mm })
     }
 
-    /// The first place of the way that is where the head is; `None` beside it.
+    /// The first place of the way that is where the head is, no earlier than where it was; `None` beside it.
     fn spot(&self, at: P3) -> Option<Spot> {
         let limit_mm = self.limit_mm();
+        let earliest = self.earliest();
         for (nth, leg) in (self.passed..).zip(&self.legs) {
+            let behind = |along_mm: f64| Spot { nth, along_mm: along_mm + limit_mm } < earliest;
             if let Action::Arc { .. } = leg.way.action
                 && (at - leg.way.from).norm() <= limit_mm
+                && !behind(0.0)
             {
                 // A hair before the start of a full circle is not its end.
                 return Some(Spot { nth, along_mm: 0.0 });
             }
             let (t, off_mm) = leg.way.nearest(at);
-            if off_mm <= limit_mm {
-                return Some(Spot { nth, along_mm: t * leg.way.length_mm() });
+            let along_mm = t * leg.way.length_mm();
+            if off_mm <= limit_mm && !behind(along_mm) {
+                return Some(Spot { nth, along_mm });
             }
         }
         let waits = self.legs.is_empty() && (at - self.base).norm() <= limit_mm;
         waits.then_some(Spot { nth: self.passed, along_mm: 0.0 })
     }
 
+    /// Where the head cannot be behind: no machine goes back on its way.
+    fn earliest(&self) -> Spot {
+        self.seen.or(self.sure).unwrap_or(Spot { nth: 0, along_mm: 0.0 })
+    }
+
+    /// How far from what is left of the way.
     fn departure(&self, at: P3) -> Departure {
-        let near = self.legs.iter().map(|leg| Departure { off_mm: leg.way.nearest(at).1, line: leg.line });
+        let earliest = self.earliest();
+        let off_mm = |nth: u64, way: &Move| {
+            let (t, off_mm) = way.nearest(at);
+            let (from, length_mm) = (earliest.along_mm, way.length_mm());
+            let passed = nth == earliest.nth && t * length_mm < from && length_mm > 0.0;
+            if passed { (way.point_at((from / length_mm).min(1.0)) - at).norm() } else { off_mm }
+        };
+        let left = (self.passed..).zip(&self.legs).filter(|(nth, _)| *nth >= earliest.nth);
+        let near = left.map(|(nth, leg)| Departure { off_mm: off_mm(nth, &leg.way), line: leg.line });
         let nearest = near.min_by(|a, b| a.off_mm.total_cmp(&b.off_mm));
         nearest.unwrap_or(Departure { off_mm: (at - self.base).norm(), line: 0 })
     }
@@ -288,12 +306,20 @@ mod tests {
     }
 
     #[test]
+    fn a_head_that_goes_back_has_left_its_way() {
+        let mut course = course(&["G1X100F1000", "Y1", "X0"]);
+        assert_eq!(reached(&mut course, 90.0, 0.0), Some((1, 90.0)));
+        // The second line was lost.
+        assert_eq!(course.located([-20.0, -50.0, 0.0]), Ok(()));
+        let departure = course.located([-40.0, -50.0, 0.0]).unwrap_err();
+        assert!((departure.off_mm - 1.0).abs() < 1e-9 && departure.line == 3, "{departure:?}");
+    }
+
+    #[test]
     fn a_way_that_crosses_itself_is_never_taken_to_be_farther_than_it_may_be() {
         let mut course = course(&["G1X10F1000", "X0", "G3X0Y0I5J0"]);
         assert_eq!(reached(&mut course, 5.0, 0.0), Some((1, 5.0)));
-        course.carried_out(1);
-        assert_eq!(reached(&mut course, 4.0, 0.0), Some((2, 6.0)));
-        course.carried_out(2);
+        assert_eq!(reached(&mut course, 4.0, 0.0), Some((2, 6.0)), "it has gone on and come back");
         assert_eq!(reached(&mut course, -0.01, 0.005), Some((3, 0.0)), "not the end of the circle");
         let (line, along_mm) = reached(&mut course, 5.0, -5.0).unwrap();
         assert!(line == 3 && (along_mm - 2.5 * std::f64::consts::PI).abs() < 0.01);

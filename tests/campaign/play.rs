@@ -123,6 +123,9 @@ const OVERLAP_MM: f64 = 0.5;
 /// Rounding of lengths: arcs are burnt in chords, positions come with three decimals and a step's width, and half a dozen lines are written anew, mm.
 const LENGTH_MM: f64 = 0.1;
 
+/// Bytes a board says in a job, about.
+const TO_HOST_BYTES: u64 = 5000;
+
 /// Light of the same path on boards that plan by other numbers of blocks may differ by its corners' share.
 const LIGHT_SHARE: f64 = 1e-3;
 
@@ -131,9 +134,9 @@ pub fn job() -> String {
     let mut text = String::from(
         "G21G90G94G17\nM4S0\nG0X5Y5\nG1X25F3000S400\nY15\nX5S300\nY5\nG0X40Y5\nG3X40Y25J10F2400\nM5\nG4P0.1\nM4\nG0X60Y5\nG1F2000S500\n",
     );
-    for k in 1..=60 {
+    for k in 1..=240 {
         let t = f64::from(k) * 0.1;
-        let _ = writeln!(text, "X{:.3}Y{:.3}", 60.0 + 4.0 * t, 5.0 + 4.0 * (2.0 * t).sin());
+        let _ = writeln!(text, "X{:.3}Y{:.3}", 60.0 + t, 5.0 + 4.0 * (2.0 * t).sin());
     }
     text + "G0X10Y40\nG1X30F2400S600\nY60S200\nX10\nG0X0Y0\nM5S0\n"
 }
@@ -154,7 +157,9 @@ pub struct Run {
     pub stray_mm: f64,
     /// How long the beam was lit after the machine could stand, s.
     pub lit_late_s: f64,
-    /// What was burnt twice when the job was taken up; `None` when it was not, mm.
+    /// What was left of it was cut, or nothing was left.
+    pub finished: bool,
+    /// What was burnt twice when the job was taken up with an overlap; `None` when it was not, mm.
     pub twice_mm: Option<f64>,
     /// Reports beside the way before the job was ended.
     pub departed: usize,
@@ -217,7 +222,7 @@ pub fn play(seed: u64, sound: &Sound) -> Run {
     let job_s = sound.seconds[(seed % 2) as usize];
     let mut rig = Rig::homed(Board::new(kin.hardware(seed)));
     rig.board.take_trace();
-    let strikes_s = rig.now_s + random.below((job_s * 1000.0) as u64) as f64 / 1000.0;
+    let mut strikes_s = rig.now_s + random.below((job_s * 1000.0) as u64) as f64 / 1000.0;
     let some = 1 + random.below(8) as u32;
     let fault = match kind {
         Kind::ToHostDropped => Some(Fault::DropOut(some)),
@@ -232,8 +237,22 @@ pub fn play(seed: u64, sound: &Sound) -> Run {
         Kind::ToBoardCorrupted => Some(Fault::CorruptIn(some.min(4))),
         Kind::SenderKilled | Kind::Stop | Kind::StopTwice => None,
     };
+    // Bytes come in bursts: half of the faults that strike them go by their count.
+    let by_count = random.below(2) == 0;
+    let ahead = |[to_board, to_host]: [u64; 2], random: &mut Random| match kind {
+        Kind::LineTorn | Kind::ToBoardDropped | Kind::ToBoardCorrupted => {
+            When::ByteIn(to_board + random.below(sound.text.len() as u64))
+        }
+        _ => When::ByteOut(to_host + random.below(TO_HOST_BYTES)),
+    };
+    let bytes = kind.alters() || matches!(kind, Kind::ToHostDropped | Kind::ToHostCorrupted);
     if let Some(fault) = fault {
-        rig.board.schedule(When::At(strikes_s), fault);
+        let when = if by_count && bytes { ahead(rig.bytes, &mut random) } else { When::At(strikes_s) };
+        rig.board.schedule(when, fault);
+        if by_count && bytes {
+            // Nothing is altered before it strikes, and nobody knows when that is.
+            strikes_s = rig.now_s;
+        }
     }
     let mut run = Run {
         kin,
@@ -244,6 +263,7 @@ pub fn play(seed: u64, sound: &Sound) -> Run {
         behind: 0,
         stray_mm: 0.0,
         lit_late_s: 0.0,
+        finished: false,
         twice_mm: None,
         departed: 0,
         broken: Vec::new(),
@@ -407,6 +427,7 @@ fn take_up(
     let burnt_first = burnt_mm(first);
     let whole = sound.plan.burnt_mm[sound.plan.burnt_mm.len() - 1];
     let Some(from) = from else {
+        run.finished = true;
         if burnt_first + LENGTH_MM < whole {
             run.broken.push(format!("nothing is left to cut, and {:.1} mm are", whole - burnt_first));
         }
@@ -429,6 +450,7 @@ fn take_up(
     if ending != Some(Outcome::Done) {
         run.broken.push(format!("what was taken up ended with {ending:?}"));
     }
+    run.finished = true;
     let second = rig.board.take_trace();
     let burnt_second = burnt_mm(&second);
     let both: Vec<_> = first.iter().chain(&second).copied().collect();

@@ -21,6 +21,8 @@ pub struct Rig {
     /// The last report, and how far the job had come as it said.
     pub status: Option<Status>,
     pub progress: Progress,
+    /// Bytes that have gone to the board and come from it.
+    pub bytes: [u64; 2],
     /// Reports so far.
     pub reports: usize,
     pub ending: Option<Ending>,
@@ -42,6 +44,7 @@ impl Rig {
             connected: true,
             status: None,
             progress: Progress::default(),
+            bytes: [0; 2],
             reports: 0,
             ending: None,
             trouble: None,
@@ -95,6 +98,7 @@ impl Rig {
         self.now_s += TICK_S;
         let bytes = std::mem::take(&mut self.to_board);
         let answer = self.board.step(self.now_s, if self.connected { &bytes } else { &[] });
+        self.bytes = [self.bytes[0] + bytes.len() as u64, self.bytes[1] + answer.len() as u64];
         self.watch_beam();
         if !self.connected {
             return;

@@ -147,9 +147,14 @@ fn without_switches_a_job_goes_on_only_by_its_crosses_or_a_new_zero() {
 #[test]
 fn a_job_that_may_be_spoilt_is_marked_and_never_goes_on_silently() {
     let (scratch, socket) = (Scratch::new(), Socket::new(homing()));
-    // So slow that a row takes several reports of a sender whose clock is twenty times slower.
-    scratch.write("rows.nc", &rows(30).replace("F6000", "F600"));
-    let running = cutting_beyond(8, &scratch, &socket.port, &["--home"]);
+    // Triangles, so slow that a side takes several reports of a sender whose clock is twenty times slower.
+    let corner = |k: usize| {
+        let (radius, turn) = (45.0 - k as f64, 2.0 * std::f64::consts::PI * k as f64 / 3.0);
+        format!("X{:.3}Y{:.3}\n", 50.0 + radius * turn.cos(), 50.0 + radius * turn.sin())
+    };
+    let corners: String = (1..40).map(corner).collect();
+    scratch.write("rows.nc", &format!("G21G90G94G17G54M5S0\nM4S0\nG0{}G1S200F300\n{corners}M5S0\n", corner(0)));
+    let running = cutting_beyond(5, &scratch, &socket.port, &["--home"]);
     socket.strike(When::At(0.0), Fault::TornLine);
     let (code, told) = running.ends();
     assert!(code == 3 && told.contains("mm off the way of line"), "{told}");

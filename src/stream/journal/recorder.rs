@@ -98,9 +98,9 @@ impl Recorder {
     /// Begins the log anew with what is worth keeping. The note that is written next says how far the job is.
     fn compact(&mut self) -> Result<(), JournalError> {
         let path = self.folder.join(LOG);
-        let last = fs::read_to_string(&path).map_err(at(&path))?;
+        let log = fs::read(&path).map_err(at(&path))?;
         let mut text = self.kept.concat();
-        text.extend(last.lines().last().map(|line| format!("{line}\n")));
+        text.extend(String::from_utf8_lossy(&log).lines().last().map(|line| format!("{line}\n")));
         self.replace(LOG, text.as_bytes())?;
         self.log = OpenOptions::new().append(true).open(&path).map_err(at(&path))?;
         self.bytes = text.len() as u64;
@@ -127,10 +127,10 @@ pub(super) fn append(folder: &Path, note: &Note) -> Result<(), JournalError> {
     let path = folder.join(LOG);
     let write = || {
         // A torn last line must not run into this one.
-        let text = fs::read_to_string(&path)?;
+        let text = fs::read(&path)?;
         let mut log = OpenOptions::new().append(true).open(&path)?;
         let line = serde_json::to_string(note)?;
-        let gap = if text.is_empty() || text.ends_with('\n') { "" } else { "\n" };
+        let gap = if text.is_empty() || text.ends_with(b"\n") { "" } else { "\n" };
         log.write_all(format!("{gap}{line}\n").as_bytes())?;
         log.sync_data()
     };

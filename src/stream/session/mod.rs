@@ -98,7 +98,8 @@ struct Job {
     check: Option<checking::Checking>,
     ends_at_mm: Option<[f64; 2]>,
     ledger: Ledger,
-    course: Course,
+    /// The way it takes; `None` before the first report tells where it begins.
+    course: Option<Course>,
 }
 
 /// Talks to one board.
@@ -315,8 +316,9 @@ impl Session {
         self.idle_since = None;
         self.rest_reports = 0;
         let ledger = Ledger::default();
-        let modes = self.modes.as_ref().filter(|_| check.is_none());
-        let course = Course::new(modes, self.status.as_ref().and_then(|s| s.machine_mm), &self.board);
+        // A check moves nothing. A job begins where the next report says that the head is.
+        let course = check.is_some().then(|| Course::new(None, None, &self.board));
+        self.polled = None;
         self.job =
             Some(Job { lines, number: 0, next: None, read: false, closed: false, check, ends_at_mm, ledger, course });
     }

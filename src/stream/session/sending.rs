@@ -59,7 +59,7 @@ impl Session {
                     let effect = match (kind, &mut self.job) {
                         (Kind::Job(number), Some(job)) => {
                             job.ledger.sent(number);
-                            job.course.sent(number, &line.text)
+                            job.course.as_mut().map(|course| course.sent(number, &line.text)).unwrap_or_default()
                         }
                         _ => Effect::default(),
                     };
@@ -94,7 +94,7 @@ impl Session {
         if !self.may_read_on() {
             return Ok(None);
         }
-        let Some(job) = &mut self.job else { return Ok(None) };
+        let Some(job) = self.job.as_mut().filter(|job| job.course.is_some()) else { return Ok(None) };
         if job.next.is_none() {
             job.next = match &job.check {
                 Some(_) => read_on_checking(job, limit, &mut self.out)?,
@@ -112,7 +112,9 @@ impl Session {
                     Some(check) => check.leave(self.now),
                     None => DARK,
                 };
-                job.course.sent(job.number, last);
+                if let Some(course) = &mut job.course {
+                    course.sent(job.number, last);
+                }
                 Ok(Some(by_itself(last.to_owned())))
             }
         }

@@ -145,7 +145,7 @@ impl Session {
     fn end(&mut self, outcome: Outcome, position_kept: bool, beam_off: bool) {
         let job = self.job.take();
         let progress = job.as_ref().map(|job| job.ledger.progress()).unwrap_or_default();
-        if let Some(Job { course, check: None, .. }) = job.filter(|_| outcome == Outcome::Done) {
+        if let Some(Job { course: Some(course), check: None, .. }) = job.filter(|_| outcome == Outcome::Done) {
             self.modes = course.modes();
         }
         // Lines that were sent may have been read until the very end, whether or not their answers came.
