@@ -1,8 +1,8 @@
 //! Tries starts, one after the other, and keeps what fills best.
 
 use super::descent::{Limits, descend};
+use super::empty::emptiest_layers;
 use super::field::Field;
-use super::grow::emptiest_layers;
 use super::paper::LengthRule;
 use super::report::Origin;
 use super::shape::{Shape, Spent};
@@ -20,7 +20,7 @@ const HOLDS: [f64; 3] = [2.0, 0.2, 0.04];
 const WELL_FILLED: f64 = 0.08;
 /// Layers are split at most so often, and so many tried each time.
 const MOST_SPLITS: usize = 3;
-const SPLITS_TRIED: usize = 2;
+const SPLITS_TRIED: usize = 1;
 /// A layer is split where either half would be at least this share of the thinnest layer drawn: the descent thickens it.
 const SPLIT_THICKNESS: f64 = 0.85;
 /// Splitting goes on while it wins this share of the outline.

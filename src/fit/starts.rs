@@ -43,7 +43,7 @@ const LAYERINGS: [Layering; 9] = [
 /// either.
 const USUAL_SIZE_MM: f64 = 100.0;
 /// Segments grow from this size on.
-const FULL_DETAIL_MM: f64 = 150.0;
+const FULL_DETAIL_MM: f64 = 110.0;
 
 /// Drawings in the direction asked for. A layering that finds no place, or that the edits do not apply to, is passed over as long as another does.
 pub(super) fn starts(target: &Target, settings: &Settings, edits: Option<&Edits>) -> Result<Vec<Start>, Error> {
