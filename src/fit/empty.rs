@@ -17,8 +17,8 @@ fn empty_points(part: &Part) -> Vec<P2> {
     points.map(|at| bounds.min + at * step).filter(|p| part.outline.contains(*p) && !covered(*p)).collect()
 }
 
-/// Layers thick enough to be two of `thickness_mm` each, the one around which most is empty first. What is empty belongs to the layer whose border is nearest.
-pub(super) fn emptiest_layers(part: &Part, thickness_mm: f64) -> Vec<usize> {
+/// Of the layers thick enough to be two of `thickness_mm` each, the one around which most is empty. What is empty belongs to the layer whose border is nearest.
+pub(super) fn emptiest_layer(part: &Part, thickness_mm: f64) -> Option<usize> {
     let (ruffle, x) = (&part.ruffle, &part.equilibrium.positions);
     let borders: Vec<Vec<P2>> = ruffle
         .layers()
@@ -35,7 +35,6 @@ pub(super) fn emptiest_layers(part: &Part, thickness_mm: f64) -> Vec<usize> {
     }
     let thick =
         |border: &[P2]| !border.is_empty() && signed_area(border).abs() >= 2.0 * thickness_mm * long_side_mm(border);
-    let mut layers: Vec<usize> = (0..borders.len()).filter(|i| empty[*i] > 0 && thick(&borders[*i])).collect();
-    layers.sort_by_key(|i| std::cmp::Reverse(empty[*i]));
-    layers
+    let worth_it = |i: &usize| empty[*i] > 0 && thick(&borders[*i]);
+    (0..borders.len()).filter(worth_it).max_by_key(|i| empty[*i])
 }

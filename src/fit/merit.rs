@@ -5,6 +5,7 @@ use super::faces::{Faces, add_doubled_area_slope, doubled_area};
 use super::field::Field;
 use crate::geom::{P2, V2, convex_hull, cross};
 use crate::ruffle::{Node, Ruffle};
+use std::rc::Rc;
 
 /// A room of no thickness costs this share of the outline's area. Coverage does not see the inside: without it layers that have collapsed count as full.
 const THIN_COST: f64 = 0.06;
@@ -17,7 +18,7 @@ const BEND_MARGIN: f64 = 1.1;
 /// Judges the shapes of one strip. Costs are areas in mm².
 #[derive(Debug, Clone)]
 pub(super) struct Judge {
-    field: Field,
+    field: Rc<Field>,
     pub faces: Faces,
     room_mm: f64,
     radius_mm: f64,
@@ -40,7 +41,7 @@ pub(super) struct Slopes {
 }
 
 impl Judge {
-    pub fn new(field: Field, faces: Faces, settings: &Settings) -> Judge {
+    pub fn new(field: Rc<Field>, faces: Faces, settings: &Settings) -> Judge {
         Judge {
             field,
             faces,

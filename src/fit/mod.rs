@@ -12,6 +12,7 @@ mod loads;
 mod merit;
 mod paper;
 mod report;
+mod score;
 mod search;
 mod shape;
 mod starts;

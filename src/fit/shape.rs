@@ -2,13 +2,14 @@
 
 use super::field::Field;
 use super::merit::{Judge, Pull, Slopes};
-use super::{Error, FootUsed, MAX_STRAIN, Settings, Target, faces::Faces, solver, widths};
+use super::{Error, FootUsed, MAX_STRAIN, Settings, Target, faces::Faces, floor_mm, solver, widths};
 use crate::extrude::Span;
 use crate::geom::P2;
 use crate::progress::Observer;
 use crate::ruffle::{Drawn, Node, Ruffle};
 use crate::sim::{self, Outcome, Solver};
 use nalgebra::DMatrix;
+use std::rc::Rc;
 
 /// Newton steps that a change of lengths may take to come to rest; one that takes more has thrown the strip over.
 const WARM_STEPS: usize = 30;
@@ -48,10 +49,10 @@ impl<'a> Shape<'a> {
     /// Lets a drawing come to rest, its joints held near where they are drawn by springs of `hold_n_per_mm`. Nothing where it does not.
     pub fn settled(
         target: &'a Target<'a>,
-        settings: &'a Settings,
+        settings: &Settings,
         drawn: &Drawn,
         foot: FootUsed,
-        field: &Field,
+        field: &Rc<Field>,
         hold_n_per_mm: f64,
         observer: &mut dyn Observer,
     ) -> Result<Option<Shape<'a>>, Error> {
@@ -66,14 +67,16 @@ impl<'a> Shape<'a> {
             ..settings.clone()
         };
         let mut solver = solver(target, &search, &drawn.ruffle, &spans, foot).map_err(error)?;
+        let mut start = drawn.positions.clone();
         if foot == FootUsed::Pinned {
-            // Wherever the second end of the foot comes to lie, it can be glued there.
+            // The base is the floor; wherever on it the second end of the foot comes to lie, it can be glued.
+            drawn.ruffle.foot.iter().for_each(|node| start[node.index()].y = floor_mm(target.outline));
             solver.let_slide(drawn.ruffle.foot[1]).map_err(error)?;
         }
         let targets: Vec<(Node, P2)> =
             drawn.ruffle.connection_points().iter().map(|c| (c.node, drawn.positions[c.node.index()])).collect();
         solver.anchor(&targets, hold_n_per_mm).map_err(error)?;
-        let e = match solver.solve(&drawn.positions, observer) {
+        let e = match solver.solve(&start, observer) {
             // A drawing that crosses itself is no start; another may be.
             Err(sim::Error::Crossed { .. }) => return Ok(None),
             solved => solved.map_err(error)?,
@@ -82,7 +85,7 @@ impl<'a> Shape<'a> {
             return Ok(None);
         }
         let faces = Faces::of(&drawn.ruffle, &e.positions);
-        let judge = Judge::new(field.clone(), faces, settings);
+        let judge = Judge::new(Rc::clone(field), faces, settings);
         let spent = Spent { solves: 1, steps: e.iterations };
         let slopes = Slopes::default();
         let ruffle = drawn.ruffle.clone();
@@ -232,7 +235,7 @@ mod tests {
             ..Settings::default()
         };
         with_target(&outline, |target| {
-            let field = Field::new(&outline, 3.0);
+            let field = Rc::new(Field::new(&outline, 3.0));
             let settled = Shape::settled(target, &settings, &drawn, FootUsed::Pinned, &field, 0.0, &mut Quiet);
             let mut shape = settled.unwrap().expect("a strip at rest");
             shape.pull.cost = 0.5;
