@@ -1,6 +1,6 @@
 //! What a user changed after the first look, one entry for each command: the list is the history, and undoing takes the last one away.
 
-use super::{Design, Direction, PartDesign, PlaneSource, Stack};
+use super::{Design, Direction, PartDesign, PlaneSource, Split, Stack};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -78,6 +78,17 @@ pub enum Edit {
         /// Its normal, of any length.
         normal: [f64; 3],
     },
+    /// A part cut in two; what lies ahead of the plane is a part of its own from then on.
+    Split {
+        /// The part; what lies behind the plane keeps its name.
+        part: String,
+        /// A point on the plane, mesh frame, mm.
+        origin_mm: [f64; 3],
+        /// Its normal, of any length.
+        normal: [f64; 3],
+        /// Name of the new part.
+        new: String,
+    },
 }
 
 /// The clean stack that numbers were read from, written down with the first edit that names sections: a program that chooses better another day must not
@@ -109,7 +120,8 @@ impl Edit {
             | Edit::Length { part, .. }
             | Edit::MovePoint { part, .. }
             | Edit::Layers { part, .. }
-            | Edit::Plane { part, .. } => part,
+            | Edit::Plane { part, .. }
+            | Edit::Split { part, .. } => part,
         }
     }
 
@@ -120,7 +132,7 @@ impl Edit {
             | Edit::Undensify { on, .. }
             | Edit::Length { on, .. }
             | Edit::MovePoint { on, .. } => *on,
-            Edit::Layers { .. } | Edit::Plane { .. } => None,
+            Edit::Layers { .. } | Edit::Plane { .. } | Edit::Split { .. } => None,
         }
     }
 
@@ -131,13 +143,13 @@ impl Edit {
             | Edit::Undensify { on, .. }
             | Edit::Length { on, .. }
             | Edit::MovePoint { on, .. } => *on = Some(base),
-            Edit::Layers { .. } | Edit::Plane { .. } => {}
+            Edit::Layers { .. } | Edit::Plane { .. } | Edit::Split { .. } => {}
         }
     }
 
     /// True for what changes the drawn strip; false for what decides how it is drawn to begin with.
     pub fn changes_strip(&self) -> bool {
-        !matches!(self, Edit::Layers { .. } | Edit::Plane { .. })
+        !matches!(self, Edit::Layers { .. } | Edit::Plane { .. } | Edit::Split { .. })
     }
 
     /// What makes no sense about it, whatever the part.
@@ -164,7 +176,9 @@ impl Edit {
                 Some("needs finite numbers in to_mm")
             }
             Edit::Layers { layers: 0, .. } => Some("layers must be at least 1"),
-            Edit::Plane { origin_mm, normal, .. } => PlaneSource { origin_mm: *origin_mm, normal: *normal }.problem(),
+            Edit::Plane { origin_mm, normal, .. } | Edit::Split { origin_mm, normal, .. } => {
+                PlaneSource { origin_mm: *origin_mm, normal: *normal }.problem()
+            }
             _ => None,
         }
     }
@@ -192,6 +206,9 @@ impl fmt::Display for Edit {
             Edit::Layers { part, layers } => write!(f, "layers {part} {layers}"),
             Edit::Plane { part, origin_mm: [x, y, z], normal: [a, b, c] } => {
                 write!(f, "plane {part} through {x}, {y}, {z} mm, normal {a}, {b}, {c}")
+            }
+            Edit::Split { part, origin_mm: [x, y, z], normal: [a, b, c], new } => {
+                write!(f, "split {part} through {x}, {y}, {z} mm, normal {a}, {b}, {c}: {part} and {new}")
             }
         }
     }
@@ -226,6 +243,20 @@ impl Design {
             }
         }
         decided
+    }
+
+    /// This design with every split that is an edit among those of the file, and a part for what it gives.
+    pub fn taken_apart(&self) -> Design {
+        let mut apart = self.clone();
+        for edit in &self.edits {
+            if let Edit::Split { part, origin_mm, normal, new } = edit {
+                let (part, new) = (part.clone(), new.clone());
+                let into = [part.clone(), new.clone()];
+                apart.splits.push(Split { part: Some(part), origin_mm: *origin_mm, normal: *normal, into });
+                apart.parts.push(PartDesign::new(&new));
+            }
+        }
+        apart
     }
 
     /// Takes the last edit away.
@@ -270,6 +301,12 @@ pub(crate) mod tests {
                 part,
                 origin_mm: [x, 0.0, 1.5],
                 normal: [0.0, x, 1.0]
+            }),
+            1 => (part(), quarter(0..300), "[B-D]").prop_map(|(part, y, new)| Edit::Split {
+                part,
+                origin_mm: [0.0, y, 0.0],
+                normal: [0.0, 1.0, 0.0],
+                new
             }),
         ]
     }

@@ -265,7 +265,7 @@ fn solver(
     foot: FootUsed,
 ) -> Result<Solver, sim::Error> {
     let supports = match foot {
-        FootUsed::Pinned => Supports { pinned: ruffle.foot.to_vec(), upright: Vec::new() },
+        FootUsed::Pinned | FootUsed::Tied => Supports { pinned: ruffle.foot.to_vec(), upright: Vec::new() },
         FootUsed::Free => Supports { pinned: Vec::new(), upright: vec![ruffle.foot[0]] },
     };
     let settings = sim::Settings { floor_mm: floor_mm(target.outline), ..settings.solver };

@@ -26,6 +26,11 @@ const MOST_SPLITS: usize = 3;
 const SPLIT_THICKNESS: f64 = 0.85;
 /// Splitting goes on while it wins this share of the outline.
 const LEAST_GROWTH: f64 = 0.003;
+/// A descent ends when a step wins less than this share of the outline; the best strip's goes on for longer.
+const LEAST_GAIN: f64 = 2e-4;
+const LAST_GAIN: f64 = 5e-5;
+/// Share of the effort that goes into that.
+const LAST_SHARE: f64 = 1.0;
 /// Springs on the way to none, with the lengths as they are: let go at once, a strip that would stand swings over.
 const LETTING_GO: [f64; 3] = [0.01, 0.0025, 0.0];
 /// Radius of a typical loop, as a share of the outline's size.
@@ -87,6 +92,7 @@ pub(super) fn search(
             search.stand(&starts, *foot)?;
         }
     }
+    search.polish()?;
     // Edits name sections by number, which a split layer would shift.
     if edits.is_none() {
         search.grow()?;
@@ -155,7 +161,35 @@ impl<'a> Search<'a> {
             if self.best.as_ref().is_none_or(|b| b.score > before - LEAST_GROWTH) {
                 return Ok(());
             }
+            self.polish()?;
         }
+        Ok(())
+    }
+
+    /// Goes on where the best strip so far was left.
+    fn polish(&mut self) -> Result<(), Error> {
+        let (target, settings) = (self.target, self.settings);
+        let Some(Candidate { part, .. }) = &self.best else { return Ok(()) };
+        if self.stopped || settings.effort == 0 || settings.method == Method::Paper {
+            return Ok(());
+        }
+        let (foot, direction) = (part.report.foot, part.report.direction);
+        let drawn = Drawn { ruffle: part.ruffle.clone(), positions: part.equilibrium.positions.clone() };
+        let start = Start { drawn, direction };
+        let field = Rc::clone(&self.field);
+        let Some(mut shape) = Shape::settled(target, settings, &start.drawn, foot, &field, 0.0, &mut Inner(self))?
+        else {
+            return Ok(());
+        };
+        let limits = Limits {
+            bounds_mm: self.bounds_mm(&start.drawn.ruffle),
+            shift: true,
+            steps: (LAST_SHARE * settings.effort as f64).round() as usize,
+            least_gain: LAST_GAIN,
+        };
+        descend(&mut shape, &limits, &mut Inner(self))?;
+        self.count(&mut shape);
+        self.consider(&shape, &start)?;
         Ok(())
     }
 
@@ -221,7 +255,8 @@ impl<'a> Search<'a> {
             return Ok(());
         }
         let steps = (share * self.settings.effort as f64).round() as usize;
-        let limits = Limits { bounds_mm: self.bounds_mm(&start.drawn.ruffle), shift, steps };
+        let bounds_mm = self.bounds_mm(&start.drawn.ruffle);
+        let limits = Limits { bounds_mm, shift, steps, least_gain: LEAST_GAIN };
         descend(shape, &limits, &mut Inner(self))
     }
 

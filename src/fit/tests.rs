@@ -138,6 +138,25 @@ fn a_load_on_a_node_is_borne_by_the_settled_part() {
 }
 
 #[test]
+fn what_a_part_bears_counts_when_it_is_asked_whether_it_stands() {
+    let settings = Settings { effort: 0, ..quick(Foot::Free) };
+    with_target(&rectangle(100.0, 60.0), |plain| {
+        let part = fit(plain, &settings, None, &mut Quiet).unwrap();
+        assert!(part.report.stands);
+        let x = &part.equilibrium.positions;
+        let top = x.iter().map(|p| p.y).fold(0.0, f64::max);
+        // As much again as its own weight, on the top, in the middle and at the right end.
+        let nearest = |at: P2| (0..x.len()).min_by(|a, b| (x[*a] - at).norm().total_cmp(&(x[*b] - at).norm())).unwrap();
+        let loaded = |at: P2| {
+            let load = [(Node(nearest(at) as u32), V2::new(0.0, -part.report.strip_mass_g * 9.8e-3))];
+            let target = Target { loads_n: &load, ..*plain };
+            report::measure(&target, &part.ruffle, &part.spans, &part.equilibrium, part.report.origin()).stands
+        };
+        assert!(loaded(P2::new(50.0, top)) && !loaded(P2::new(100.0, top)));
+    });
+}
+
+#[test]
 fn widths_belong_to_where_the_strip_comes_to_rest() {
     let ball = crate::mesh::samples::sphere(P3::new(0.0, 45.0, 0.0), 45.0, 24);
     let frame = frame();

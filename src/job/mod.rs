@@ -35,7 +35,7 @@ mod ties;
 
 pub use crate::ruffle::Role as SectionRole;
 pub use border::take_in;
-pub use change::{Changed, Places, Request, change};
+pub use change::{Changed, Cut, Places, Request, change};
 pub use dry_run::{Form, Look, Looked, look};
 pub use error::Error;
 pub use label::{Label, SheetLabel};

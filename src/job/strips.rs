@@ -3,6 +3,7 @@
 use super::settings::Setup;
 use super::stock::{self, Sheet};
 use super::{Error, Realised};
+use crate::fit::FootUsed;
 use crate::progress::Warning;
 use crate::strip::{self, Connector, Piece, Splice};
 
@@ -97,7 +98,7 @@ fn flat(realised: &Realised, setup: &Setup, stock: Vec<Sheet>) -> Result<Strips,
         );
         strips.warnings.push(Warning::new("connectors", message));
     }
-    for (part, _) in realised.parts.iter().zip(&realised.based).filter(|(_, based)| **based) {
+    for part in realised.parts.iter().filter(|part| part.report.foot == FootUsed::Pinned) {
         add_base_card(&mut strips, strip::base_card(part, &settings), longest, setup);
     }
     if strips.label_collisions > 0 {
