@@ -15,14 +15,14 @@ use crate::strip::{Face as Side, Half, Passage, Piece};
 const LEAST_SCALE: f64 = 0.42;
 /// And no wider on the page than this, mm.
 const MOST_WIDTH_MM: f64 = 62.0;
-const NAME: Lettering = Lettering::new(4.4, Face::Bold);
-const NUMBER: Lettering = Lettering::new(3.9, Face::Bold);
+pub(super) const NAME: Lettering = Lettering::new(4.4, Face::Bold);
+pub(super) const NUMBER: Lettering = Lettering::new(3.9, Face::Bold);
 /// From lane to lane of joint numbers above a piece, mm.
 const LANE_MM: f64 = 4.4;
 const CONTOUR: Pen = Pen::black(0.35);
 const SLIT: Pen = Pen::black(0.8);
 const THIN: Pen = Pen::gray(0.2, 0.3);
-const LEADER: Pen = Pen::gray(0.2, 0.4);
+pub(super) const LEADER: Pen = Pen::gray(0.2, 0.4);
 const FLAP_GRAY: f64 = 0.35;
 
 /// Side of the triangle that tells which way a flap is folded, mm.
@@ -49,9 +49,14 @@ pub(super) fn pages(flow: &mut Flow, job: &Book, part: &Part) {
     let pieces = strip_pieces(&part.name, job.pieces);
     let scale = scale(flow, &pieces);
     flow.page(&title);
-    let face = if job.handling.lettered { "the lettered side" } else { "the side shown here" };
+    let side = job.handling.marks.side();
+    let ticks = if pieces.len() > 1 && marked(&pieces) {
+        " Short ticks at the edges show how far the next piece reaches."
+    } else {
+        ""
+    };
     let note = format!(
-        "Drawn at {:.0} % with {face} toward you. Dark shapes are flaps, thick bars are slits; each goes with its own number. Fold a flap with a solid triangle toward you, with a hollow one away from you.",
+        "Drawn at {:.0} % with the {side} toward you. Dark shapes are flaps, thick bars are slits; each goes with its own number. A flap with a solid triangle folds toward you, toward the {side}; one with a hollow triangle away from it.{ticks}",
         100.0 * scale
     );
     flow.paragraph(BODY, &note, &title);
@@ -61,12 +66,9 @@ pub(super) fn pages(flow: &mut Flow, job: &Book, part: &Part) {
     }
 }
 
-/// Draws pieces that belong to no strip: connectors and base cards.
-pub(super) fn beside(flow: &mut Flow, pieces: &[&Piece], title: &str) {
-    let scale = scale(flow, pieces);
-    for piece in pieces {
-        rows(flow, piece, scale, title);
-    }
+/// True when pieces carry ticks where their neighbours end.
+fn marked(pieces: &[&Piece]) -> bool {
+    pieces.iter().flat_map(|piece| &piece.drawing.paths).any(|path| path.role == Role::Mark && path.joint.is_none())
 }
 
 /// At which pieces are drawn below one another.
@@ -112,7 +114,7 @@ fn rows(flow: &mut Flow, piece: &Piece, scale: f64, title: &str) {
 }
 
 /// The piece as it is cut.
-fn draw(page: &mut Page, piece: &Piece, place: &Place) {
+pub(super) fn draw(page: &mut Page, piece: &Piece, place: &Place) {
     for path in &piece.drawing.paths {
         match path.role {
             Role::Outline => page.curve(&path.path, place, CONTOUR),

@@ -19,6 +19,8 @@ use std::ops::Range;
 pub(super) struct Cutting<'a> {
     pub part: &'a Part,
     pub edges: &'a Edges,
+    /// Numbers of the joints that connectors lie in.
+    pub tied: &'a [u32],
     pub settings: &'a Settings,
     pub spots: &'a [Spot],
 }
@@ -50,7 +52,8 @@ impl Cutting<'_> {
         }
         let told = told::warnings(&splices, self.edges.length_mm(), &left_out);
         warnings.extend(told.into_iter().map(|w| w.in_part(&self.part.name)));
-        let max_mating_error_mm = mating::worst_mating_error_mm(self.part, cuts.iter(), &self.settings.joint);
+        let max_mating_error_mm =
+            mating::worst_mating_error_mm(self.part, self.tied, cuts.iter(), &self.settings.joint);
         Pieces { pieces, splices, max_mating_error_mm, label_collisions, warnings }
     }
 
