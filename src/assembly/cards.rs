@@ -58,7 +58,12 @@ pub(super) fn cutting_card(flow: &mut Flow, job: &Book) {
             flow.text(caption + V2::new(6.0, 0.0), At::Left, CAPTION, &text);
             let top = space.max.y - 8.0;
             let picture = Rect { min: P2::new(left, top - height(sheet)), max: P2::new(left + column, top) };
-            thumbnail(flow.paper(), &picture, sheet, job.handling.grain.is_some());
+            thumbnail(flow.paper(), &picture, sheet);
+            if job.handling.grain.is_some() {
+                let scale = height(sheet) / sheet.layout.height_mm;
+                let right = left + sheet.layout.width_mm * scale;
+                grain_arrow(flow.paper(), P2::new(right, caption.y + 1.2));
+            }
         }
     }
 }
@@ -70,7 +75,7 @@ fn grain_note(flow: &mut Flow, grain: Grain, title: &str) {
         true => "All strips run along the grain: the sheet is stiffest that way and springs back best.",
         false => "All strips run across the grain, as the design asks: the sheet bends softer that way.",
     };
-    flow.paragraph(BODY, &format!("{rule} The arrow on each sheet below shows the grain."), title);
+    flow.paragraph(BODY, &format!("{rule} The arrow over each sheet below shows the grain."), title);
     if !grain.known {
         flow.paragraph(STRONG, "How the grain runs in this stock is not known. Ten seconds tell:", title);
         flow.check(
@@ -88,8 +93,8 @@ fn sentence(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// A nested sheet: pieces with their names, and the way the grain has to run.
-fn thumbnail(page: &mut Page, picture: &Rect, sheet: &CutSheet, grain: bool) {
+/// A nested sheet: pieces with their names.
+fn thumbnail(page: &mut Page, picture: &Rect, sheet: &CutSheet) {
     let stock = Rect::from_size(sheet.layout.width_mm, sheet.layout.height_mm);
     let mut place = Place::fit(&stock, picture, 1.0);
     // To the upper left of its column.
@@ -117,19 +122,16 @@ fn thumbnail(page: &mut Page, picture: &Rect, sheet: &CutSheet, grain: bool) {
         page.block(&Rect { min: middle - V2::new(half, high), max: middle + V2::new(half, high) }, 1.0);
         page.text(middle - V2::new(0.0, 0.36 * name.size_mm), At::Middle, name, &drawing.name);
     }
-    if grain {
-        let right = P2::new(corner.x + size.x - 2.0, corner.y + size.y - 2.5);
-        let left = right - V2::new(14.0, 0.0);
-        let words = CAPTION.width_mm("grain") + 2.0;
-        let min = left - V2::new(words, 1.4);
-        page.block(&Rect { min, max: right + V2::new(0.5, 1.4) }, 1.0);
-        let pen = Pen::black(0.25);
-        page.line(&[left, right], pen);
-        for (tip, way) in [(left, 1.0), (right, -1.0)] {
-            page.line(&[tip + V2::new(1.6 * way, 0.9), tip, tip + V2::new(1.6 * way, -0.9)], pen);
-        }
-        page.text(left - V2::new(1.5, 1.0), At::Right, Lettering { size_mm: 3.0, ..CAPTION }, "grain");
+}
+
+/// An arrow that ends at `right`, for the grain that runs along every sheet's picture.
+fn grain_arrow(page: &mut Page, right: P2) {
+    let (pen, left) = (Pen::black(0.25), right - V2::new(14.0, 0.0));
+    page.line(&[left, right], pen);
+    for (tip, way) in [(left, 1.0), (right, -1.0)] {
+        page.line(&[tip + V2::new(1.6 * way, 0.9), tip, tip + V2::new(1.6 * way, -0.9)], pen);
     }
+    page.text(left - V2::new(1.5, 1.0), At::Right, Lettering { size_mm: 3.0, ..CAPTION }, "grain");
 }
 
 /// Every piece with its sheet, size and mass, to tick off.

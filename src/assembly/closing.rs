@@ -27,7 +27,7 @@ pub(super) fn pictures(flow: &mut Flow, joints: &[Joint], title: &str) {
     let width = (space.width() - 2.0 * GAP_MM) / 3.0;
     let panels: [(fn(&mut Page, &Rect), &str); 3] = [
         (from_above, "1  A flap and its slit"),
-        (on_the_way, "2  Bend the barbs, push the flap through"),
+        (on_the_way, "2  Bend the barbs, push it through"),
         (closed, "3  The barbs open behind the sheet"),
     ];
     for (i, (draw, caption)) in panels.into_iter().enumerate() {
@@ -51,7 +51,7 @@ fn flap() -> Path {
 
 fn from_above(page: &mut Page, picture: &Rect) {
     let middle = picture.center().y;
-    let place = Place::new(1.25, V2::new(picture.min.x + 12.0, middle));
+    let place = Place::new(1.5, V2::new(picture.min.x + 13.0, middle));
     let flap = flap();
     let points = place.points(&flap);
     page.region([points.as_slice()], 0.75, None);
@@ -61,7 +61,7 @@ fn from_above(page: &mut Page, picture: &Rect) {
     let slit = P2::new(picture.min.x + 42.0, middle);
     page.line(&[slit - V2::new(0.0, 5.4), slit + V2::new(0.0, 5.4)], Pen::black(0.8));
     page.text(slit - V2::new(0.0, 9.4), At::Middle, WORD, "slit");
-    page.text(hinge[1] - V2::new(1.0, 4.4), At::Middle, WORD, "hinge");
+    page.text(P2::new(hinge[0].x - 1.5, middle - 1.0), At::Right, WORD, "hinge");
     let barb = place.point(P2::new(4.0, 6.4));
     page.text(barb + V2::new(1.5, 0.6), At::Left, WORD, "barb");
     page.text(place.point(P2::new(3.8, 0.0)) - V2::new(0.0, 1.0), At::Middle, WORD, "flap");

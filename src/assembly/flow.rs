@@ -94,6 +94,9 @@ impl Flow {
     pub fn heading(&mut self, text: &str, with_mm: f64, title: &str) {
         if self.free_mm() < 9.0 + with_mm {
             self.page(title);
+            if text == title {
+                return;
+            }
         }
         let line = self.take(9.0, title);
         self.text(P2::new(line.min.x, line.min.y + 2.2), At::Left, HEADING, text);

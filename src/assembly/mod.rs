@@ -20,6 +20,7 @@ mod prepare;
 mod rooms;
 #[cfg(test)]
 mod samples;
+mod spelling;
 mod steps;
 mod tiles;
 

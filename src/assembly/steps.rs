@@ -90,7 +90,11 @@ fn lines(sentences: &[String], width_mm: f64) -> Vec<(String, f64)> {
 fn sentences(joint: Option<&Joint>, step: &Step, side: &str) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(joint) = joint {
-        let on = |pieces: &[&str]| format!("piece{} {}", if pieces.len() > 1 { "s" } else { "" }, pieces.join(" + "));
+        let on = |pieces: &[&str]| match pieces {
+            [one] if one.contains('-') => format!("connector {one}"),
+            [one] => format!("piece {one}"),
+            several => format!("pieces {}", several.join(" + ")),
+        };
         let sheets = |then: &str| joint.through.iter().map(|p| on(p)).collect::<Vec<String>>().join(then);
         let (flaps, slits) = match joint.abreast {
             1 => ("Flap".to_owned(), "slit"),

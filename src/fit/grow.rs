@@ -1,7 +1,7 @@
 //! Which layer of a filled part leaves most of the outline empty.
 
-use super::{Part, merit::long_side_mm};
-use crate::geom::{P2, signed_area};
+use super::Part;
+use crate::geom::{P2, signed_area, thickness};
 
 /// The outline is sampled at about so many points along its longer side.
 const SAMPLES: f64 = 60.0;
@@ -32,7 +32,7 @@ pub(super) fn emptiest_layers(part: &Part, thickness_mm: f64) -> Vec<usize> {
         }
     }
     let thick =
-        |border: &[P2]| !border.is_empty() && signed_area(border).abs() / long_side_mm(border) >= 2.0 * thickness_mm;
+        |border: &[P2]| !border.is_empty() && thickness(signed_area(border).abs(), border) >= 2.0 * thickness_mm;
     let mut layers: Vec<usize> = (0..borders.len()).filter(|i| empty[*i] > 0 && thick(&borders[*i])).collect();
     layers.sort_by_key(|i| std::cmp::Reverse(empty[*i]));
     layers

@@ -120,7 +120,7 @@ fn add_base_card(strips: &mut Strips, card: Piece, longest_mm: f64, setup: &Setu
         Warning::new(
             "base-card",
             format!(
-                "{name} is the card that {part} stands on: glue the ends of the bottom rung on its lines, lettering up and toward you"
+                "{name} is the card that {part} stands on: glue the ends of the bottom rung on its lines, as assembly.pdf shows"
             ),
         )
     } else {
