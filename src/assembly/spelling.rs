@@ -7,7 +7,7 @@ const LATIN: &str = "A a A a A a C c C c C c C c D d D d E e E e E e E e E e G g
 const LATIN_FROM: u32 = 0x100;
 
 /// Small Greek and Cyrillic letters, each before its spelling.
-const OTHERS: &str = "α a ά a β v γ g δ d ε e έ e ζ z η i ή i θ th ι i ί i ϊ i ΐ i κ k λ l μ m ν n ξ x ο o ό o π p ρ r σ s ς s τ t υ y ύ y ϋ y ΰ y φ f χ ch ψ ps ω o ώ o \
+const OTHERS: &str = "α a ά a β v γ g δ d ε e έ e ζ z η i ή i θ th ι i ί i ϊ i ΐ i κ k λ l μ m ν n ξ x ο o ό o π p ρ r σ s ς s τ t υ u ύ u ϋ u ΰ u φ f χ ch ψ ps ω o ώ o \
     а a б b в v г g д d е e ж zh з z и i й i к k л l м m н n о o п p р r с s т t у u ф f х kh ц ts ч ch ш sh щ shch ъ ' ы y ь ' э e ю iu я ia ё e \
     є ie і i ї i ґ g ў u ђ dj ј j љ lj њ nj ћ c џ dz";
 
