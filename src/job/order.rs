@@ -151,8 +151,6 @@ impl Order {
         let mut design = self.design.clone();
         let last =
             |path: &str| Path::new(path).file_name().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-        // The same object is cut, whatever its sheets are printed on.
-        design.paper = Paper::default();
         design.machine = last(&design.machine);
         design.material = last(&design.material);
         for file in files(&mut design) {
