@@ -25,15 +25,16 @@ pub(super) fn pictures(flow: &mut Flow, joints: &[Joint], title: &str) {
     flow.heading(TITLE, PICTURE_MM + CAPTION_MM + 24.0, title);
     let space = flow.take(PICTURE_MM + CAPTION_MM, title);
     let width = (space.width() - 2.0 * GAP_MM) / 3.0;
-    let panels: [(fn(&mut Page, &Rect), &str); 3] = [
-        (from_above, "1  A flap and its slit"),
-        (on_the_way, "2  Bend the barbs, push it through"),
-        (closed, "3  The barbs open behind the sheet"),
-    ];
-    for (i, (draw, caption)) in panels.into_iter().enumerate() {
+    let captions =
+        ["1  A flap and its slit", "2  Bend the barbs, push it through", "3  The barbs open behind the sheet"];
+    for (i, caption) in captions.into_iter().enumerate() {
         let min = space.min + V2::new(i as f64 * (width + GAP_MM), CAPTION_MM);
         let picture = Rect { min, max: min + V2::new(width, PICTURE_MM) };
-        draw(flow.paper(), &picture);
+        match i {
+            0 => from_above(flow.paper(), &picture),
+            1 => on_the_way(flow.paper(), &picture),
+            _ => closed(flow.paper(), &picture),
+        }
         flow.text(min - V2::new(0.0, 5.0), At::Left, CAPTION, caption);
     }
     let how = "Lay the flap's sheet on the slit's sheet, number on number. Bend both barbs of the flap up between two fingers, push the flap through the slit, and let the barbs open behind it. Where a number has several slits the same flap goes through all of them, one after the other. Pull lightly: it must not slip back.";

@@ -199,15 +199,21 @@ impl Cutting<'_> {
         if self.settings.labels != Labels::Notches {
             return Vec::new();
         }
+        let joints = self.part.ruffle.connection_points().len();
         let mut cut: Vec<Notch> = Vec::new();
         for passage in own {
             let fold = if passage.face == seen_from { Fold::Toward } else { Fold::Away };
             let digits = passage.joint.trim_start_matches(|c: char| !c.is_ascii_digit());
+            let number: Option<usize> = digits.parse().ok();
+            // Both rows of a lap lie where one group has room; the first tells the lap.
+            if number.is_some_and(|n| n > joints && (n - joints).is_multiple_of(2)) {
+                continue;
+            }
             // On one edge groups follow one another without touching.
             let last = cut.iter().rev().find(|n| n.upper == (fold == Fold::Away));
             let from = last.map_or(range.start + NOTCH_END_MM, |n| n.at_mm + NOTCH_APART_MM);
             let between = (from, range.end - NOTCH_END_MM);
-            let own = digits.parse().ok().and_then(|n| notches(n, passage.station_mm, between, fold));
+            let own = number.and_then(|n| notches(n as u32, passage.station_mm, between, fold));
             cut.extend(own.unwrap_or_default());
         }
         cut

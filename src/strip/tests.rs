@@ -244,6 +244,18 @@ fn notches_tell_joints_where_nothing_can_be_written() {
         laid.pieces[0].passages.iter().map(|p| p.joint[1..].parse::<usize>().unwrap()).map(|n| n / 5 + n % 5).sum();
     assert_eq!(corners(&laid), corners(&plain) + 3 * notches);
     assert!(is_simple(&laid.pieces[0].drawing.outline().unwrap().flatten(0.05)));
+    // Of a lap's two rows one is told, at both ends that it joins.
+    let mut sewn = spliced(SpliceKind::Lap, 277.0);
+    sewn.labels = Labels::Notches;
+    let notched = pieces(&part(40.0), &[], &sewn).unwrap();
+    let bare = pieces(&part(40.0), &[], &Settings { labels: Labels::Nothing, ..sewn }).unwrap();
+    let joints = part(40.0).ruffle.connection_points().len();
+    for (with, without) in notched.pieces.iter().zip(&bare.pieces) {
+        let numbers = with.passages.iter().map(|p| p.joint[1..].parse::<usize>().unwrap());
+        let told = numbers.filter(|n| *n <= joints || (n - joints) % 2 == 1).map(|n| n / 5 + n % 5).sum::<usize>();
+        let corners = |piece: &Piece| piece.drawing.outline().unwrap().vertices.len();
+        assert_eq!(corners(with), corners(without) + 3 * told, "{}", with.name);
+    }
     assert!(of_role(&laid.pieces, Role::Label).is_empty() && of_role(&laid.pieces, Role::Mark).is_empty());
 }
 
