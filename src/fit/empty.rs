@@ -1,7 +1,7 @@
 //! Which layer of a filled part leaves most of the outline empty.
 
-use super::{Part, merit::long_side_mm};
-use crate::geom::{P2, V2, contains, signed_area};
+use super::Part;
+use crate::geom::{P2, V2, contains, signed_area, thickness};
 
 /// The outline is sampled at about so many points along its longer side.
 const SAMPLES: f64 = 60.0;
@@ -34,7 +34,7 @@ pub(super) fn emptiest_layer(part: &Part, thickness_mm: f64) -> Option<usize> {
         }
     }
     let thick =
-        |border: &[P2]| !border.is_empty() && signed_area(border).abs() >= 2.0 * thickness_mm * long_side_mm(border);
+        |border: &[P2]| !border.is_empty() && thickness(signed_area(border).abs(), border) >= 2.0 * thickness_mm;
     let worth_it = |i: &usize| empty[*i] > 0 && thick(&borders[*i]);
     (0..borders.len()).filter(worth_it).max_by_key(|i| empty[*i])
 }

@@ -3,7 +3,7 @@
 use super::Settings;
 use super::faces::{Faces, add_doubled_area_slope, doubled_area};
 use super::field::Field;
-use crate::geom::{P2, V2, convex_hull, cross};
+use crate::geom::{P2, V2, cross, long_side};
 use crate::ruffle::{Node, Ruffle};
 use std::rc::Rc;
 
@@ -80,7 +80,7 @@ impl Judge {
         for room in &self.faces.rooms {
             let doubled = doubled_area(room, x);
             let points: Vec<P2> = room.iter().map(|n| x[*n]).collect();
-            let full = 2.0 * long_side_mm(&points) * self.room_mm;
+            let full = 2.0 * long_side(&points) * self.room_mm;
             let missing = 1.0 - doubled / full;
             if missing > 0.0 {
                 cost += whole * missing * missing;
@@ -120,21 +120,4 @@ impl Judge {
         }
         cost
     }
-}
-
-/// Long side of the smallest rectangle around points, mm.
-pub(super) fn long_side_mm(points: &[P2]) -> f64 {
-    let hull = convex_hull(points);
-    let n = hull.len();
-    let sides = (0..n).filter_map(|i| (hull[(i + 1) % n] - hull[i]).try_normalize(1e-12));
-    let boxes = sides.map(|u| {
-        let extent = |axis: V2| {
-            let along = hull.iter().map(|p| p.coords.dot(&axis));
-            let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-            high - low
-        };
-        let (a, b) = (extent(u), extent(V2::new(-u.y, u.x)));
-        (a * b, a.max(b))
-    });
-    boxes.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(1.0, |(_, long)| long)
 }

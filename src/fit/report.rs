@@ -1,10 +1,9 @@
 //! What a fitted part amounts to: how full, how long, how tight, how reachable.
 
 use super::Target;
-use super::merit::long_side_mm;
 use super::shape::Spent;
 use crate::extrude::Span;
-use crate::geom::{P2, Rect, V2, enclosed, signed_area};
+use crate::geom::{P2, Rect, V2, enclosed, long_side, signed_area, thickness};
 use crate::ruffle::{Direction, Ruffle};
 use crate::sim::Equilibrium;
 
@@ -120,7 +119,7 @@ pub(super) fn measure(
         .filter_map(|layer| ruffle.layer_border(layer))
         .map(|nodes| {
             let corners: Vec<P2> = nodes.iter().map(|n| positions[*n]).collect();
-            signed_area(&corners).abs() / long_side_mm(&corners)
+            thickness(signed_area(&corners).abs(), &corners)
         })
         .fold(f64::INFINITY, f64::min)
         .min(region_height(positions));
@@ -198,11 +197,10 @@ struct Room {
 
 fn measured_room(room: &[[P2; 3]]) -> Room {
     let corners: Vec<P2> = room.iter().flatten().copied().collect();
-    let long_side = long_side_mm(&corners);
     let area: f64 = room.iter().map(|t| signed_area(t)).sum();
     let weighted = room.iter().map(|t| (t[0].coords + t[1].coords + t[2].coords) * (signed_area(t) / 3.0));
     let center = weighted.fold(nalgebra::Vector2::zeros(), |sum, v| sum + v) / area;
-    Room { thickness_mm: area / long_side, length_mm: long_side, center: P2::from(center) }
+    Room { thickness_mm: thickness(area, &corners), length_mm: long_side(&corners), center: P2::from(center) }
 }
 
 #[cfg(test)]

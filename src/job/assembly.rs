@@ -4,8 +4,9 @@ use super::settings::Setup;
 use super::sheets::{Sheets, minutes};
 use super::strips::Strips;
 use super::{Order, Realised};
-use crate::assembly::{Book, Card, CutSheet, Handling, book, patterns};
+use crate::assembly::{self, Book, Card, CutSheet, Handling, Marks, Paper, book, patterns};
 use crate::config::{Grain, LabelKind, Process, StockGrain};
+use crate::design::{self, StripAlong};
 
 /// The assembly sheets.
 pub(super) const FILE: &str = "assembly.pdf";
@@ -46,7 +47,10 @@ pub(super) fn files(
     let job = Book {
         name: &order.name,
         hash: &hash,
-        paper: order.paper,
+        paper: match order.design.paper {
+            design::Paper::A4 => Paper::A4,
+            design::Paper::Letter => Paper::Letter,
+        },
         mesh: realised.mesh.as_ref(),
         parts: &realised.parts,
         pieces: &strips.pieces,
@@ -56,8 +60,12 @@ pub(super) fn files(
         handling: Handling {
             flap_s: if directional { PAPER_FLAP_S } else { SOFT_FLAP_S },
             rod_mm: (2.0 * setup.profile.min_bend_radius_mm).max(LEAST_ROD_MM),
-            grain_known: directional.then_some(known),
-            lettered: matches!(setup.label_kind(), LabelKind::Engrave | LabelKind::Pen | LabelKind::Perforate),
+            grain: directional.then_some(assembly::Grain { along: setup.strip_along == StripAlong::Grain, known }),
+            marks: match setup.label_kind() {
+                LabelKind::Engrave | LabelKind::Pen | LabelKind::Perforate => Marks::Letters,
+                LabelKind::Notch => Marks::Notches,
+                LabelKind::Map => Marks::Nothing,
+            },
         },
     };
     let mut files = vec![(FILE, book(&job))];
@@ -74,8 +82,14 @@ fn card(setup: &Setup, sheets: &Sheets) -> Card {
     if !setup.by_hand() {
         facts.push(("Cut", process(&pairing.cut)));
         facts.push(("Kerf", format!("{} mm, already in the programs", pairing.cut.kerf_mm)));
-        let marks = pairing.engrave.as_ref().map_or("nothing is engraved".to_owned(), process);
-        facts.push(("Engrave", marks));
+        let marks = match (setup.label_kind(), &pairing.engrave) {
+            (LabelKind::Engrave, Some(settings)) => process(settings),
+            (LabelKind::Pen, _) => "with a pen: black in sheets/*.svg and *.dxf, layer \"engrave\"".to_owned(),
+            (LabelKind::Perforate, _) => "numbers are cut in dashes".to_owned(),
+            (LabelKind::Notch, _) => "notches in the edges are cut with the outlines".to_owned(),
+            (LabelKind::Engrave | LabelKind::Map, _) => "nothing".to_owned(),
+        };
+        facts.push(("Labels", marks));
         let total_s: f64 = sheets.sheets.iter().map(|sheet| sheet.time_s).sum();
         facts.push(("Time", format!("{} in all", minutes(total_s))));
     }

@@ -47,7 +47,6 @@ pub use settings::{check_settings, expected, limits};
 pub use sheets::minutes;
 pub use survey::{PartSurvey, SectionSurvey, Survey, survey};
 
-pub use crate::assembly::Paper;
 use crate::config::Library;
 use crate::progress::{Observer, Progress, Warning};
 use std::ops::ControlFlow;

@@ -5,7 +5,7 @@ use crate::config::{
     self, Air, AirCode, Corner, Grain, JointKind, LabelKind, Library, Machine, Making, Pairing, Profile, SpliceKind,
     ToolClass, VisibleFace,
 };
-use crate::design::{Design, Foot, MeshSource, Method, PartDesign, Stack, StripAlong, Up};
+use crate::design::{Design, Foot, MeshSource, Method, Paper, PartDesign, Stack, StripAlong, Up};
 use crate::geom::{P2, Rect};
 use crate::progress::Warning;
 use crate::ruffle::Limits;
@@ -33,6 +33,8 @@ pub struct Setup {
     pub stock: Vec<String>,
     /// Which way strips run in the sheet.
     pub strip_along: StripAlong,
+    /// What sheets for people are printed on.
+    pub paper: Paper,
     /// How strips are fastened, divided and labelled, where the design says so.
     pub making: Making,
     /// What the user should know about the pair.
@@ -82,6 +84,7 @@ impl Setup {
         let mut setup = Setup {
             stock: design.stock.clone(),
             strip_along: design.strip_along,
+            paper: design.paper,
             making: design.making,
             machine,
             profile,
