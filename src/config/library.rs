@@ -18,8 +18,13 @@ use super::{machine_check, profile_check, read, schema};
 /// Names the folder that stands in for the platform's config folder.
 pub const FOLDER_VARIABLE: &str = "FURBELOW_CONFIG_DIR";
 
-const MACHINES: [(&str, &str); 2] =
-    [("diode-400", include_str!("../../machines/diode-400.toml")), ("k40", include_str!("../../machines/k40.toml"))];
+const MACHINES: [(&str, &str); 5] = [
+    ("diode-400", include_str!("../../machines/diode-400.toml")),
+    ("diode-5w", include_str!("../../machines/diode-5w.toml")),
+    ("k40", include_str!("../../machines/k40.toml")),
+    ("pen-a3", include_str!("../../machines/pen-a3.toml")),
+    ("roll-610", include_str!("../../machines/roll-610.toml")),
+];
 
 const PROFILES: [(&str, &str); 4] = [
     ("felt-stiff-1", include_str!("../../profiles/felt-stiff-1.toml")),

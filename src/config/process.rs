@@ -7,7 +7,8 @@
 use crate::progress::Warning;
 
 use super::error::Error;
-use super::machine::Machine;
+use super::joint::Dashes;
+use super::machine::{Machine, ToolClass};
 use super::profile::{Air, Blade, Bridges, ProcessKind, ProcessRow, Profile, Verdict};
 
 /// How far the machine's power may lie from the row's, as a factor either way.
@@ -35,8 +36,18 @@ pub struct Process {
     pub power: f64,
     /// Air assist.
     pub air: Air,
-    /// How often every path is run.
-    pub passes: u32,
+    /// Share of `power` in every pass, one entry a pass; never empty.
+    pub pass_power: Vec<f64>,
+    /// How much lower the tool is set for each pass after the first, mm.
+    pub z_step_mm: f64,
+    /// Lead-in and lead-out, mm, when the profile says.
+    pub lead_mm: Option<f64>,
+    /// How far closed contours run on over their start, mm, when the profile says.
+    pub overcut_mm: Option<f64>,
+    /// Least distance of a cut's start from the last one's end, mm.
+    pub cool_mm: f64,
+    /// Dashes instead of lines.
+    pub perforation: Option<Dashes>,
     /// Uncut stretches that hold the pieces, if the material wants any.
     pub bridges: Option<Bridges>,
     /// The blade and its pressure, for drag knives.
@@ -67,8 +78,14 @@ impl Machine {
             (Some(Verdict::Test), reason) => warnings.push(test_first(self, profile, reason.unwrap_or_default())),
             (None, _) => warnings.push(test_first(self, profile, "the profile does not say whether that works")),
         }
-        let row = nearest_row(self, profile, ProcessKind::Cut).ok_or_else(|| no_process(self, profile))?;
+        let pen = self.tool.class == ToolClass::Pen;
+        let cuts = if pen { ProcessKind::Engrave } else { ProcessKind::Cut };
+        let row = nearest_row(self, profile, cuts).ok_or_else(|| no_process(self, profile))?;
         let cut = carry_over(self, profile, row)?;
+        if pen {
+            let message = format!("{} draws the lines and cuts nothing: cut by hand along them", self.name);
+            warnings.push(Warning::new("drawn-only", message));
+        }
         let engrave = match nearest_row(self, profile, ProcessKind::Engrave).map(|row| carry_over(self, profile, row)) {
             Some(Ok(engrave)) => Some(engrave),
             // Labels can be written by hand: no reason to refuse the job.
@@ -78,7 +95,8 @@ impl Machine {
             }
             None => None,
         };
-        if !cut.calibrated {
+        // A line drawn a little faster is still a line.
+        if !cut.calibrated && !pen {
             warnings.push(Warning::new(
                 "uncalibrated",
                 format!(
@@ -152,7 +170,16 @@ fn carry_over(machine: &Machine, profile: &Profile, row: &ProcessRow) -> Result<
         feed_mm_per_min,
         power,
         air: row.air,
-        passes: row.passes,
+        pass_power: if row.pass_power.is_empty() {
+            vec![1.0; row.passes.max(1) as usize]
+        } else {
+            row.pass_power.clone()
+        },
+        z_step_mm: row.z_step_mm,
+        lead_mm: row.lead_mm,
+        overcut_mm: row.overcut_mm,
+        cool_mm: row.cool_mm,
+        perforation: row.perforation,
         bridges: row.bridges,
         blade: row.blade,
         calibrated: measured_here(machine, row),
@@ -207,7 +234,6 @@ fn rescale(
 #[cfg(test)]
 mod tests {
     use super::super::library::Library;
-    use super::super::machine::ToolClass;
     use super::*;
 
     fn machine(name: &str) -> Machine {
@@ -322,7 +348,7 @@ mod tests {
         let pair = knife.pair(&profile("felt-stiff-1")).expect("test");
         assert_eq!(pair.warnings[0].code, "test-first");
         assert!(pair.warnings[0].message.contains("tears"), "{}", pair.warnings[0].message);
-        assert_eq!((pair.cut.power, pair.cut.kerf_mm, pair.cut.passes), (0.0, 0.0, 2));
+        assert_eq!((pair.cut.power, pair.cut.kerf_mm, pair.cut.pass_power.len()), (0.0, 0.0, 2));
         let mut silent = profile("paper-80");
         silent.allowed.knife = None;
         assert_eq!(knife.pair(&silent).expect("test").warnings[0].code, "test-first");

@@ -229,7 +229,13 @@ fn a_machine_must_agree_with_itself() {
 fn a_roll_machine_reaches_between_its_pinch_rollers() {
     let mut machine = Library::built_in().machine("k40").expect("in order");
     machine.work_area = None;
-    machine.roll =
-        Some(Roll { media_width_mm: 610.0, pinch_margin_mm: 20.0, feed_axis: Axis::Y, max_length_mm: 1000.0 });
+    machine.roll = Some(Roll {
+        media_width_mm: 610.0,
+        pinch_margin_mm: 20.0,
+        feed_axis: Axis::Y,
+        max_length_mm: 1000.0,
+        window_mm: 300.0,
+        backing: Backing::Carrier,
+    });
     assert_eq!(machine.reach_mm(), [570.0, 1000.0]);
 }

@@ -50,7 +50,7 @@ pub(super) fn write(
         let svg = drawing::sheet_svg(sheet.layout.width_mm, sheet.layout.height_mm, &sheet.drawings);
         stage.write(&name("svg"), svg.as_bytes())?;
         stage.write(&name("dxf"), drawing::dxf(&sheet.drawings).as_bytes())?;
-        stage.write(&name("nc"), sheet.program.to_string().as_bytes())?;
+        stage.write(&name(sheet.ending), sheet.text.as_bytes())?;
         png(stage, &name("png"), &pictures::sheet(sheet, run, setup), pictures::SHEET_PX)?;
     }
     if let Some(page) = dry_run::page(&order.name(), &runs, setup)? {

@@ -11,6 +11,7 @@ mod artifacts;
 mod border;
 mod dry_run;
 mod error;
+mod machining;
 mod order;
 mod output;
 mod pictures;
@@ -26,7 +27,7 @@ mod strips;
 pub use border::take_in;
 pub use dry_run::{Form, Look, Looked, look};
 pub use error::Error;
-pub use order::{Order, Overrides};
+pub use order::{Batch, Order, Overrides, StartFrom};
 pub use probe::{Difference, differences, machine_file, probed};
 pub use realise::{Realised, realise};
 pub use report::Report;
@@ -59,7 +60,8 @@ pub fn make(order: &Order, library: &Library, out_dir: &Path, observer: &mut dyn
     output::refuse_foreign_design(out_dir, order)?;
     let realised = realise(&order.design, &order.folder, &setup, &mut observer)?;
     let nesting = Instant::now();
-    let strips = strips::strips(&realised, &setup)?;
+    let mut strips = strips::strips(&realised, &setup)?;
+    strips.keep_only(&order.batch.only)?;
     let sheets = sheets::sheets(&strips, &setup, order, &mut observer)?;
     let nest_ms = nesting.elapsed().as_secs_f64() * 1e3;
 

@@ -4,6 +4,7 @@ use super::Error;
 use super::output::{absolute, relative};
 use crate::design::{Design, Foot, MeshSource, PartDesign, SCHEMA, Up};
 use crate::mesh;
+use crate::toolpath::Anchor;
 use sha2::{Digest, Sha256};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -19,6 +20,33 @@ pub struct Order {
     pub folder: PathBuf,
     /// Replace a different design in the output folder.
     pub force: bool,
+    /// What is cut this time, how often, and where the machine begins; no part of the design.
+    pub batch: Batch,
+}
+
+/// What is cut this time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Batch {
+    /// Cut only these pieces, by name ("A3"); empty for all.
+    pub only: Vec<String>,
+    /// Number of sets.
+    pub copies: usize,
+    /// Who each set is for, in order; a set without a name has its number.
+    pub names: Vec<String>,
+    /// Where the machine begins.
+    pub start: StartFrom,
+}
+
+/// Where a job lies on the machine.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum StartFrom {
+    /// The sheet lies in the stop corner, which the machine knows.
+    #[default]
+    Absolute,
+    /// This point of the job lies where the user set work zero.
+    Origin(Anchor),
+    /// This point of the job lies where the head stands when it starts.
+    Current(Anchor),
 }
 
 /// Values from the command line; each goes over the design's.
@@ -57,7 +85,7 @@ impl Order {
             mesh: MeshSource { file, sha256: Some(sha256_of(&mesh)?), up: None, height_mm: None },
             parts: vec![PartDesign { name: "A".into(), plane: None, layers: None, foot: Foot::Auto }],
         };
-        Ok(Order { design: overridden(design, overrides)?, text: None, folder, force: false })
+        Ok(Order { design: overridden(design, overrides)?, text: None, folder, force: false, batch: Batch::default() })
     }
 
     /// A design file.
@@ -71,7 +99,13 @@ impl Order {
                 *name = absolute(&folder.join(&*name))?.display().to_string();
             }
         }
-        Ok(Order { design: overridden(design, overrides)?, text: Some(text), folder, force: false })
+        Ok(Order {
+            design: overridden(design, overrides)?,
+            text: Some(text),
+            folder,
+            force: false,
+            batch: Batch::default(),
+        })
     }
 
     /// The design file's text for `out_dir`: re-runnable from there, comments kept.

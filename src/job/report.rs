@@ -204,7 +204,7 @@ pub(super) fn report(
         mass_g: rounded(piece.mass_g),
     });
     let cut_sheets = sheets.sheets.iter().map(|sheet| SheetReport {
-        file: format!("sheets/{}.nc", sheet.file),
+        file: format!("sheets/{}.{}", sheet.file, sheet.ending),
         stock: sheet.stock.clone(),
         width_mm: rounded(sheet.layout.width_mm),
         length_mm: rounded(sheet.layout.height_mm),
@@ -215,7 +215,7 @@ pub(super) fn report(
         travel_mm: rounded(sheet.toolpath.travel_mm),
         travel_unordered_mm: rounded(sheet.toolpath.travel_unordered_mm),
         time_s: rounded(sheet.time_s),
-        lines: sheet.program.lines.len(),
+        lines: sheet.text.lines().count(),
     });
     let sum = |of: fn(&super::sheets::CutSheet) -> f64| rounded(sheets.sheets.iter().map(of).sum());
     let totals = Totals {

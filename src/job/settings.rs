@@ -1,14 +1,11 @@
 //! The only place where machine and profile become the stages' settings.
 
 use super::Error;
-use crate::config::{self, Air, AirCode, Corner, Grain, Library, Machine, Pairing, Profile, ToolClass};
+use crate::config::{self, AirCode, Corner, Grain, Library, Machine, Pairing, Profile, ToolClass};
 use crate::design::{Design, Foot, Up};
 use crate::geom::{P2, Rect};
 use crate::progress::Warning;
-use crate::{cut, fit, gcode, mesh, nest, sim, stream, strip, toolpath};
-
-/// Sheets thinner than this, mm, lift and blow away when nothing holds them.
-const THIN_MM: f64 = 0.5;
+use crate::{cut, fit, gcode, mesh, nest, sim, stream, strip};
 
 /// Machine, material and how they go together.
 #[derive(Debug, Clone)]
@@ -31,39 +28,7 @@ impl Setup {
         let machine = library.machine(&design.machine)?;
         let profile = library.profile(&design.material)?;
         let pairing = machine.pair(&profile)?;
-        let unusable = |problem: &str| Err(Error::Machine { machine: machine.name.clone(), problem: problem.into() });
-        if machine.work_area.is_none() {
-            return unusable("has no work_area: sheets need a flat bed");
-        }
-        if !machine.tool.class.is_laser() {
-            return unusable(
-                "has no laser: take the drawings in strips/ and sheets/ of a laser job to your cutter's own program",
-            );
-        }
-        if machine.origin != Corner::FrontLeft {
-            return unusable(
-                "has its origin elsewhere than front-left: sheets are written with X0 Y0 at their lower left corner; set the zero there and say origin = \"front-left\"",
-            );
-        }
         let mut warnings = pairing.warnings.clone();
-        if profile.thickness_mm < THIN_MM {
-            warnings.push(Warning::new(
-                "not-held",
-                "nothing holds a piece once its outline is cut: use a tacky mat or a honeycomb with magnets, and little air",
-            ));
-        }
-        let floor = machine.tool.power_floor;
-        if machine.tool.class == ToolClass::Co2 && pairing.cut.power < 2.0 * floor {
-            warnings.push(Warning::new(
-                "power-floor",
-                format!(
-                    "power follows speed, and below {:.0} % {}'s tube does not strike: at {:.0} % the ends of short cuts may stay attached",
-                    100.0 * floor,
-                    machine.name,
-                    100.0 * pairing.cut.power
-                ),
-            ));
-        }
         if pairing.engrave.is_none() {
             warnings.push(Warning::new(
                 "no-labels",
@@ -73,13 +38,20 @@ impl Setup {
                 ),
             ));
         }
-        Ok(Setup { stock: design.stock.clone(), machine, profile, pairing, warnings })
+        let mut setup = Setup { stock: design.stock.clone(), machine, profile, pairing, warnings };
+        if setup.is_loose() {
+            setup.warnings.push(Warning::new(
+                "not-held",
+                "nothing holds a piece once its outline is cut: use a tacky mat or a honeycomb with magnets, and little air",
+            ));
+        }
+        Ok(setup)
     }
 
-    /// What the head reaches, mm.
+    /// What the head reaches of a sheet in the stop corner, mm along and across the sheet: a roll's x is its feed.
     pub fn reach(&self) -> Rect {
         let [width, height] = self.machine.reach_mm();
-        Rect::from_size(width, height)
+        if self.turned() { Rect::from_size(height, width) } else { Rect::from_size(width, height) }
     }
 
     /// The sheet along the strip: strips are cut along the grain (machine direction), where paper is stiffest and springs back best.
@@ -180,39 +152,14 @@ impl Setup {
         }
     }
 
-    /// How a sheet is cut.
-    pub fn toolpath(&self) -> toolpath::Settings {
-        let process = |p: &config::Process| toolpath::Process {
-            feed_mm_per_min: p.feed_mm_per_min,
-            power: p.power,
-            air: match p.air {
-                Air::Off => toolpath::Air::Off,
-                Air::Low => toolpath::Air::Low,
-                Air::High => toolpath::Air::High,
-            },
-            passes: p.passes,
-        };
-        let cut = process(&self.pairing.cut);
-        toolpath::Settings {
-            kerf_mm: self.pairing.cut.kerf_mm,
-            engrave: self.pairing.engrave.as_ref().map(process),
-            cut_inner: cut,
-            cut_outline: cut,
-            work_area: self.reach(),
-            park: P2::origin(),
-        }
-    }
-
-    /// What the controller wants to read.
-    pub fn dialect(&self) -> gcode::Dialect {
-        let word = |code: AirCode| match code {
-            AirCode::M7 => 7,
-            AirCode::M8 => 8,
-        };
-        gcode::Dialect {
-            max_s: self.machine.controller.max_s,
-            constant_power: !self.machine.controller.laser_mode,
-            air: self.machine.air.as_ref().map(|a| gcode::AirWords { low: word(a.low), high: word(a.high) }),
+    /// How it is cut, as people read it.
+    pub(super) fn cut_told(&self) -> String {
+        let cut = &self.pairing.cut;
+        let feed = format!("{:.0} mm/min", cut.feed_mm_per_min);
+        match (self.machine.tool.class, cut.blade) {
+            (ToolClass::Pen, _) => format!("{feed}, pen"),
+            (_, Some(blade)) => format!("{feed}, blade {:.0} deg, {:.0} gf", blade.angle_deg, blade.force_gf),
+            _ => format!("{feed}, {:.1} %, kerf {} mm", 100.0 * cut.power, cut.kerf_mm),
         }
     }
 
@@ -227,8 +174,8 @@ impl Setup {
     }
 }
 
-/// What a machine permits and, when it is known, what the material on it bears. Work X0 Y0 lies in the machine's origin corner.
-pub fn check_settings(machine: &Machine, pairing: Option<&Pairing>) -> gcode::CheckSettings {
+/// What the head reaches, mm in the work frame: work X0 Y0 lies in the machine's origin corner.
+pub(super) fn reach(machine: &Machine) -> Rect {
     let [width, height] = machine.reach_mm();
     let least = match machine.origin {
         Corner::FrontLeft => P2::new(0.0, 0.0),
@@ -236,6 +183,11 @@ pub fn check_settings(machine: &Machine, pairing: Option<&Pairing>) -> gcode::Ch
         Corner::BackLeft => P2::new(0.0, -height),
         Corner::BackRight => P2::new(-width, -height),
     };
+    Rect { min: least, max: P2::new(least.x + width, least.y + height) }
+}
+
+/// What a machine permits and, when it is known, what the material on it bears. Work X0 Y0 lies in the machine's origin corner.
+pub fn check_settings(machine: &Machine, pairing: Option<&Pairing>) -> gcode::CheckSettings {
     let controller = &machine.controller;
     let keep_out = |k: &config::KeepOut| {
         let min = P2::new(k.x_mm, k.y_mm);
@@ -246,9 +198,10 @@ pub fn check_settings(machine: &Machine, pairing: Option<&Pairing>) -> gcode::Ch
         Some(gcode::Energy { full_power_w, cut_j_per_mm: pairing.cut.energy_j_per_mm(full_power_w) })
     };
     gcode::CheckSettings {
-        work_area: Rect { min: least, max: P2::new(least.x + width, least.y + height) },
+        work_area: reach(machine),
         travel_z_mm: controller.max_travel_mm[2],
-        keep_outs: machine.keep_outs.iter().map(keep_out).collect(),
+        // The head passes over what stands no higher than it travels.
+        keep_outs: machine.keep_outs.iter().filter(|k| k.rise_mm > machine.tool.clearance_mm).map(keep_out).collect(),
         max_s: controller.max_s,
         limits: limits(machine),
         laser: machine.tool.class.is_laser(),
