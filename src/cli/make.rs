@@ -11,7 +11,7 @@ use super::output;
 use super::{Exit, Failure};
 use crate::config::Library;
 use crate::design;
-use crate::job::{self, Made, Order, Overrides, minutes};
+use crate::job::{self, Anchor, Batch, Made, Order, Overrides, StartFrom, minutes};
 use crate::progress::{Observer, Progress};
 
 /// Arguments of `make`.
@@ -40,6 +40,24 @@ pub struct Args {
     /// How the bottom stands [default: auto, free where it stands by itself]
     #[arg(long)]
     foot: Option<Foot>,
+    /// Cut from a roll of this width instead of sheets
+    #[arg(long, value_name = "MM", conflicts_with = "stock")]
+    roll: Option<f64>,
+    /// Cut only these pieces, as when one was torn: A3,B1
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    only: Vec<String>,
+    /// Number of sets, each on sheets of its own
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=500))]
+    copies: u32,
+    /// File with a name on each line, lettered on the margin of one set each
+    #[arg(long, value_name = "FILE")]
+    names: Option<PathBuf>,
+    /// Where the job lies: where the machine knows the sheet to be, with a point of it (--anchor) at work zero, or at where the head stands
+    #[arg(long, value_name = "WHERE", default_value = "absolute")]
+    start_from: Start,
+    /// Which point of the job lies there, with --start-from origin or current [default: front-left]
+    #[arg(long, value_name = "POINT")]
+    anchor: Option<AnchorPoint>,
     /// Folder to write into [default: out/ and the shape's name, or the design's own folder]
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -49,6 +67,47 @@ pub struct Args {
     /// Print report.json on stdout instead of a table
     #[arg(long)]
     json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Start {
+    /// The sheet lies in the machine's stop corner
+    Absolute,
+    /// The anchor lies at work X0 Y0, as set by hand
+    Origin,
+    /// The anchor lies where the head stands when the job starts
+    Current,
+}
+
+/// Nine points of the box around the job.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum AnchorPoint {
+    FrontLeft,
+    Front,
+    FrontRight,
+    Left,
+    Center,
+    Right,
+    BackLeft,
+    Back,
+    BackRight,
+}
+
+impl AnchorPoint {
+    fn anchor(self) -> Anchor {
+        let (x, y) = match self {
+            AnchorPoint::FrontLeft => (0.0, 0.0),
+            AnchorPoint::Front => (0.5, 0.0),
+            AnchorPoint::FrontRight => (1.0, 0.0),
+            AnchorPoint::Left => (0.0, 0.5),
+            AnchorPoint::Center => (0.5, 0.5),
+            AnchorPoint::Right => (1.0, 0.5),
+            AnchorPoint::BackLeft => (0.0, 1.0),
+            AnchorPoint::Back => (0.5, 1.0),
+            AnchorPoint::BackRight => (1.0, 1.0),
+        };
+        Anchor { x, y }
+    }
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -70,7 +129,7 @@ pub(super) fn run(args: Args) -> Result<(), Failure> {
     let overrides = Overrides {
         machine: args.machine.clone(),
         material: args.material.clone(),
-        stock: args.stock.clone(),
+        stock: args.roll.map_or_else(|| args.stock.clone(), |width_mm| vec![format!("roll {width_mm}")]),
         height_mm: args.height_mm,
         up: args.up.map(|up| match up {
             Up::X => design::Up::X,
@@ -96,6 +155,7 @@ pub(super) fn run(args: Args) -> Result<(), Failure> {
         Order::from_mesh(&args.shape, &overrides)?
     };
     order.force = args.force;
+    order.batch = batch(&args)?;
     let out = args.out.unwrap_or_else(|| default_folder(&args.shape, is_design));
     listen_for_interrupts()?;
     let mut screen = Screen::new();
@@ -103,6 +163,29 @@ pub(super) fn run(args: Args) -> Result<(), Failure> {
     screen.bar.finish_and_clear();
     let made = made?;
     if args.json { output::json(&made.report) } else { tell(&made, &out) }
+}
+
+/// What is cut this time.
+fn batch(args: &Args) -> Result<Batch, Failure> {
+    let anchor = args.anchor.unwrap_or(AnchorPoint::FrontLeft).anchor();
+    let start = match args.start_from {
+        Start::Absolute if args.anchor.is_some() => {
+            let way_out = "--anchor says which point lies at a place set by hand: add --start-from origin or --start-from current";
+            return Err(Failure::config(way_out.to_owned()));
+        }
+        Start::Absolute => StartFrom::Absolute,
+        Start::Origin => StartFrom::Origin(anchor),
+        Start::Current => StartFrom::Current(anchor),
+    };
+    let names = match &args.names {
+        None => Vec::new(),
+        Some(file) => {
+            let text =
+                std::fs::read_to_string(file).map_err(|e| Failure::config(format!("{}: {e}", file.display())))?;
+            text.lines().map(str::trim).filter(|name| !name.is_empty()).map(str::to_owned).collect()
+        }
+    };
+    Ok(Batch { only: args.only.clone(), copies: args.copies as usize, names, start })
 }
 
 fn default_folder(shape: &Path, is_design: bool) -> PathBuf {

@@ -26,7 +26,8 @@ const MACHINES: [(&str, &str); 5] = [
     ("roll-610", include_str!("../../machines/roll-610.toml")),
 ];
 
-const PROFILES: [(&str, &str); 4] = [
+const PROFILES: [(&str, &str); 5] = [
+    ("felt-soft-1", include_str!("../../profiles/felt-soft-1.toml")),
     ("felt-stiff-1", include_str!("../../profiles/felt-stiff-1.toml")),
     ("paper-160", include_str!("../../profiles/paper-160.toml")),
     ("paper-80", include_str!("../../profiles/paper-80.toml")),

@@ -112,16 +112,24 @@ pub struct Roll {
     /// Longest feed that still tracks straight.
     pub max_length_mm: f64,
     /// Length of feed made before the next is begun, so that the media is not run back and forth.
+    #[serde(default = "usual_window_mm")]
     pub window_mm: f64,
     /// What carries the media through the machine.
+    #[serde(default)]
     pub backing: Backing,
 }
 
+/// A forearm's length of media: short enough that it does not sag out of line, long enough for most pieces.
+fn usual_window_mm() -> f64 {
+    300.0
+}
+
 /// What carries roll media.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Backing {
     /// A carrier that is not cut through: liner paper, or a mat.
+    #[default]
     Carrier,
     /// Nothing: pieces stay in the media by ticks, and it is cut off across at the end.
     None,

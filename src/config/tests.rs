@@ -100,9 +100,9 @@ fn a_users_file_goes_first_and_may_build_on_the_built_in_of_its_own_name() {
     let library = Library::with_folder(folder.path());
     let names: Vec<_> =
         library.names(Kind::Machine).expect("readable").into_iter().map(|l| (l.name, l.place)).collect();
-    assert_eq!(names.len(), 3);
+    assert_eq!(names.len(), 6);
     assert_eq!(names[0], ("diode-400".into(), Place::BuiltIn));
-    assert_eq!(names[1], ("k40".into(), Place::File(folder.path().join("machines/k40.toml"))));
+    assert_eq!(names[2], ("k40".into(), Place::File(folder.path().join("machines/k40.toml"))));
     let mine = library.machine("mine").expect("in order");
     // From the file itself, from the user's k40, and from the built-in k40.
     assert_eq!((mine.title.as_str(), mine.reach_mm()), ("Mine", [280.0, 200.0]));

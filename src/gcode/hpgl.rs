@@ -12,8 +12,8 @@ use std::fmt::Write as _;
 /// Steps of a plotter in a millimetre.
 const STEPS_PER_MM: f64 = 40.0;
 
-/// How far chords may leave an arc, mm: half a step.
-const CHORD_MM: f64 = 0.0125;
+/// How far chords may leave an arc, mm: with their ends rounded to steps (0.018 mm at most) they stay within one step of it.
+const CHORD_MM: f64 = 0.005;
 
 /// Corners in one PD command: small plotters read a line of a few hundred bytes at once.
 const CORNERS_PER_LINE: usize = 16;
@@ -205,7 +205,7 @@ mod tests {
         let moves = trace_plot("IN; SP1 ;PU0 0 PD 400,0;PR;PD0,400;PU;PA0,0", 600.0).unwrap();
         let ends: Vec<(f64, f64, bool)> = moves.iter().map(|m| (m.to.x, m.to.y, m.feeds())).collect();
         assert_eq!(ends, [(0.0, 0.0, false), (10.0, 0.0, true), (10.0, 10.0, true), (0.0, 0.0, false)]);
-        for (text, word) in [("IN;\nXX1;", "XX"), ("IN;\nPU1;", "PU"), ("IN;\nPU1,z2;", "z2"), ("IN;\n5;", "5")] {
+        for (text, word) in [("IN;\nXX1;", "XX"), ("IN;\nPU1;", "PU"), ("IN;\nPU1,?2;", "?2"), ("IN;\n5;", "5")] {
             let error = trace_plot(text, 600.0).unwrap_err();
             assert!(error.line == 2 && error.to_string().contains(word), "{error}");
         }

@@ -30,9 +30,11 @@ pub use error::Error;
 pub use order::{Batch, Order, Overrides, StartFrom};
 pub use probe::{Difference, differences, machine_file, probed};
 pub use realise::{Realised, realise};
-pub use report::Report;
+pub use report::{Report, SheetReport};
 pub use settings::{check_settings, expected, limits};
 pub use sheets::minutes;
+
+pub use crate::toolpath::Anchor;
 
 use crate::config::Library;
 use crate::progress::{Observer, Progress, Warning};

@@ -189,7 +189,7 @@ mod tests {
                 let s = (back * p).x;
                 assert!(s > 1.0 && s < 299.0, "on an end: {s}");
                 for slit in [50.0, 150.0, 250.0] {
-                    assert!((s - slit).abs() > CLEAR_MM, "beside a joint: {s}");
+                    assert!((s - slit).abs() > CLEAR_MM - 1e-6, "beside a joint: {s}");
                 }
                 for crown in [100.0, 200.0] {
                     assert!((s - crown).abs() > 14.0, "at a crown: {s}");

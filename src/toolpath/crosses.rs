@@ -1,7 +1,7 @@
 //! Two small crosses on scrap, made first: by them a sheet is found again, after a stop, for a second tool, or for its other side.
 
-use super::{Contour, Process};
-use crate::drawing::Role;
+use super::{Contour, Settings};
+use crate::drawing::{Operation, Role};
 use crate::geom::{P2, Path, Rect, V2, contains, distance_to_loop};
 
 /// Length of a cross's arm from its middle, mm: seen without glasses, and room for it in any margin.
@@ -46,11 +46,16 @@ pub(super) fn places<'a>(
     ((second - first).norm() > 4.0 * ARM_MM).then_some([first, second])
 }
 
-/// The strokes of both crosses. The first runs along x: a blade heads along x from then on.
-pub(super) fn strokes(places: &[P2; 2], process: &Process, constant_power: bool) -> Vec<Contour> {
+/// The strokes of both crosses, engraved, or cut where the tool cannot engrave. The first runs along x: a blade heads along x from then on.
+pub(super) fn strokes(places: &[P2; 2], settings: &Settings) -> Vec<Contour> {
+    let (process, operation) = match &settings.engrave {
+        Some(engrave) => (engrave, Operation::Engrave),
+        None => (&settings.cut_inner, Operation::CutInner),
+    };
+    let constant_power = settings.constant_power(process);
     let stroke = |middle: P2, arm: V2| Contour {
         path: Path::open([middle - arm, middle + arm]),
-        operation: Role::Mark.operation(),
+        operation,
         role: Role::Mark,
         piece: CROSS.into(),
         joint: None,

@@ -52,7 +52,7 @@ pub(super) fn cuts(drawings: &[Drawing], settings: &Settings, feed_of: &dyn Fn(&
             let compensated = kerf::compensate(drawn, &drawing.name, settings.kerf_mm)?;
             let (mut path, off) = smooth::smooth(&compensated.path, settings.curve_tolerance_mm);
             if settings.blade_mm() > 0.0 && operation != Operation::Engrave {
-                match details.simplified(path, &drawing.name) {
+                match details.simplified(path, settings.blade_mm(), &drawing.name) {
                     Some(simple) => path = simple,
                     None => continue,
                 }

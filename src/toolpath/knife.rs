@@ -10,8 +10,8 @@ use crate::progress::Warning;
 /// Corners flatter than this, rad (8 degrees), are passed over straight: the tip leaves its way by less than offset x angle² / 8, under a micrometre.
 const SWIVEL_RAD: f64 = 0.14;
 
-/// A blade turns no smaller radius, mm: it would twist in the sheet instead.
-const LEAST_RADIUS_MM: f64 = 1.0;
+/// A blade follows smaller radii than this badly, mm: it twists in the sheet.
+const LIKED_RADIUS_MM: f64 = 1.0;
 
 /// Closed cuts smaller than this, mm, are torn out rather than cut.
 const LEAST_SIZE_MM: f64 = 3.0;
@@ -61,6 +61,8 @@ fn axis(tip: &Path, came: V2, offset_mm: f64) -> (Path, V2) {
 /// What was too small for a blade.
 #[derive(Debug, Default)]
 pub(super) struct Details {
+    /// Pieces with roundings that a blade follows badly.
+    tight: Vec<String>,
     /// Pieces of which corners were sharpened.
     sharpened: Vec<String>,
     /// Pieces of which holes were left out.
@@ -68,44 +70,46 @@ pub(super) struct Details {
 }
 
 impl Details {
-    /// The path with roundings smaller than a blade turns made corners; `None` for a closed cut too small to cut at all.
-    pub fn simplified(&mut self, path: Path, piece: &str) -> Option<Path> {
+    /// The path with roundings tighter than the blade's trail made corners, round which the blade swings; `None` for a closed cut too small to cut at
+    /// all.
+    pub fn simplified(&mut self, path: Path, offset_mm: f64, piece: &str) -> Option<Path> {
         let size = path.bounds();
         if path.closed && size.width().max(size.height()) < LEAST_SIZE_MM {
             self.left_out.push(piece.to_owned());
             return None;
         }
-        let (path, changed) = sharpened(path);
-        if changed {
+        let before = path.vertices.len();
+        let path = mitre::cornered(path, |radius_mm, _| radius_mm < offset_mm);
+        if path.vertices.len() != before {
             self.sharpened.push(piece.to_owned());
+        }
+        // Arcs that make up for a rim's waves are flat, however short; a rounding turns.
+        let tight = |s: &Segment| matches!(s, Segment::Arc { radius, sweep_rad, .. } if *radius < LIKED_RADIUS_MM - 1e-3 && sweep_rad.abs() > SWIVEL_RAD);
+        if path.segments().any(|s| tight(&s)) {
+            self.tight.push(piece.to_owned());
         }
         Some(path)
     }
 
     /// What the user should know.
     pub fn warning(self) -> Option<Warning> {
-        let list = |mut pieces: Vec<String>| {
-            pieces.sort();
-            pieces.dedup();
-            pieces.join(", ")
-        };
-        let mut said = Vec::new();
-        if !self.sharpened.is_empty() {
-            said.push(format!("roundings below {LEAST_RADIUS_MM} mm become corners on {}", list(self.sharpened)));
-        }
-        if !self.left_out.is_empty() {
-            said.push(format!("cuts below {LEAST_SIZE_MM} mm are left out on {}: punch them", list(self.left_out)));
-        }
-        (!said.is_empty()).then(|| Warning::new("knife-details", format!("too small for a blade: {}", said.join("; "))))
+        let said = [
+            (self.tight, format!("roundings below {LIKED_RADIUS_MM} mm, where a worn blade tears, on ")),
+            (self.sharpened, "roundings tighter than the blade's trail, which become corners, on ".to_owned()),
+            (self.left_out, format!("cuts below {LEAST_SIZE_MM} mm, which are left out (punch them), on ")),
+        ];
+        let told: Vec<String> = said
+            .into_iter()
+            .filter(|(pieces, _)| !pieces.is_empty())
+            .map(|(mut pieces, what)| {
+                pieces.sort();
+                pieces.dedup();
+                what + &pieces.join(", ")
+            })
+            .collect();
+        let message = || format!("too fine for a blade: {}", told.join("; "));
+        (!told.is_empty()).then(|| Warning::new("knife-details", message()))
     }
-}
-
-/// Replaces roundings of less than the least radius by corners.
-fn sharpened(path: Path) -> (Path, bool) {
-    let before = path.vertices.len();
-    let path = mitre::cornered(path, |radius_mm, _| radius_mm < LEAST_RADIUS_MM - 1e-9);
-    let changed = path.vertices.len() != before;
-    (path, changed)
 }
 
 #[cfg(test)]
@@ -119,7 +123,8 @@ mod tests {
     /// Where the tip of a blade goes that is drawn behind its axis: followed in short steps, knowing nothing of how the way was made.
     fn trail(axis: &Path, mut tip: P2, offset_mm: f64) -> Vec<P2> {
         let mut trail = Vec::new();
-        for at in curve::samples(axis, 0.005) {
+        let steps = (axis.length() / 0.005).ceil();
+        for (at, _) in (0..=steps as u32).filter_map(|k| curve::at(axis, axis.length() * f64::from(k) / steps)) {
             let pull: V2 = at - tip;
             if pull.norm() > offset_mm {
                 tip = at - pull.normalize() * offset_mm;
@@ -168,11 +173,13 @@ mod tests {
         let mut details = Details::default();
         let corners = [(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (0.0, 10.0)].map(|(x, y)| P2::new(x, y));
         let rounded = |radius: f64| Path::rounded(&corners.map(|p| (p, radius)), true);
-        assert_eq!(details.simplified(rounded(0.6), "A1").unwrap().vertices.len(), 4);
-        assert_eq!(details.simplified(rounded(1.0), "A2").unwrap(), rounded(1.0));
-        assert_eq!(details.simplified(Path::circle(P2::origin(), 1.2), "A3"), None);
+        let mut simplified = |path: Path, piece: &str| details.simplified(path, 0.25, piece);
+        assert_eq!(simplified(rounded(0.2), "A1").unwrap().vertices.len(), 4);
+        assert_eq!(simplified(rounded(1.0), "A2").unwrap(), rounded(1.0));
+        assert_eq!(simplified(Path::circle(P2::origin(), 1.2), "A3"), None);
+        assert_eq!(simplified(rounded(0.6), "A4").unwrap(), rounded(0.6));
         let message = details.warning().unwrap().message;
-        assert!(message.contains("A1") && message.contains("A3") && !message.contains("A2"), "{message}");
+        assert!(["A1", "A3", "A4"].iter().all(|piece| message.contains(piece)) && !message.contains("A2"), "{message}");
     }
 
     prop_compose! {

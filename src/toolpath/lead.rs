@@ -3,7 +3,7 @@
 use super::cuts::Cut;
 use super::{Settings, curve};
 use crate::drawing::Role;
-use crate::geom::{P2, Path, PathVertex, V2, contains, distance_to_loop, tolerance};
+use crate::geom::{P2, Path, PathVertex, V2, contains, distance_to_loop, signed_area, tolerance};
 
 /// Room between a lead's beam and any piece, mm.
 const CLEAR_MM: f64 = 0.1;
@@ -30,42 +30,37 @@ impl Scrap {
         self.pieces.iter().map(|(_, outline)| outline.as_slice())
     }
 
-    /// The path with a lead-in of `lead_mm`, and with a lead-out when it `closes`, at 45 degrees from the waste. Without where they would touch a
-    /// piece, and on what has no waste.
+    /// The path with a lead-in of `lead_mm`, and with a lead-out when it `closes`, over the waste. Without where they would touch a piece, and on what
+    /// has no waste.
     pub fn led(&self, path: Path, cut: &Cut, lead_mm: f64, closes: bool) -> Path {
         let Some(waste_left) = cut.waste_left.filter(|_| lead_mm > 0.0) else { return path };
-        let total = path.length();
         let closes = closes && path.closed;
-        let open = if path.closed { curve::stretch(&path, 0.0, total) } else { path.clone() };
-        let mut segments = open.segments();
-        let (Some(first), last) = (segments.next(), open.segments().last()) else { return path };
-        let aside = |heading: V2| V2::new(-heading.y, heading.x) * if waste_left { 1.0 } else { -1.0 };
-        let heading = curve::start_direction(&first);
-        let from = first.from() + (aside(heading) - heading).normalize() * lead_mm;
-        if !self.is_free(from, first.from(), cut) {
-            return path;
-        }
-        let mut vertices = vec![PathVertex { point: from, bulge: 0.0 }];
-        vertices.extend(open.vertices.iter().copied());
-        if let Some(last) = last.filter(|_| closes) {
-            let heading = curve::direction_at(&last, 1.0);
-            let to = last.to() + (aside(heading) + heading).normalize() * lead_mm;
-            if self.is_free(to, last.to(), cut) {
-                vertices.push(PathVertex { point: to, bulge: 0.0 });
-            }
-        }
-        Path { vertices, closed: false }
+        let open = if path.closed { curve::stretch(&path, 0.0, path.length()) } else { path.clone() };
+        let (Some(first), Some(last)) = (open.segments().next(), open.segments().last()) else { return path };
+        let own = cut.path.flatten(tolerance::FLATTEN_MM);
+        let side = if waste_left { 1.0 } else { -1.0 };
+        // Slanting, so that it meets the contour smoothly; where a corner is in the way, slanting the other way or straight.
+        let off = |on: P2, heading: V2, slant: f64| {
+            let aside = V2::new(-heading.y, heading.x) * side;
+            let ways = [aside - heading * slant, aside + heading * slant, aside];
+            ways.into_iter().map(|way| on + way.normalize() * lead_mm).find(|off| self.is_free(*off, on, cut, &own))
+        };
+        let Some(from) = off(first.from(), curve::start_direction(&first), 1.0) else { return path };
+        let to = off(last.to(), curve::direction_at(&last, 1.0), -1.0).filter(|_| closes);
+        let ends = |p| PathVertex { point: p, bulge: 0.0 };
+        let vertices = std::iter::once(ends(from)).chain(open.vertices).chain(to.map(ends));
+        Path { vertices: vertices.collect(), closed: false }
     }
 
-    /// True when the beam touches no piece between a point on scrap and one on the contour of `cut`.
-    fn is_free(&self, off: P2, on: P2, cut: &Cut) -> bool {
+    /// True when the beam touches no piece between a point on scrap and one on the contour of `cut`, which flattened is `own`.
+    fn is_free(&self, off: P2, on: P2, cut: &Cut, own: &[P2]) -> bool {
+        let waste_inside = cut.waste_left == Some(signed_area(own) > 0.0);
         (0..LOOKS).map(|k| off + (on - off) * (f64::from(k) / f64::from(LOOKS))).all(|p| {
-            self.pieces.iter().all(|(name, outline)| {
-                let own = *name == cut.piece;
-                // A hole's waste lies in its own piece.
-                let inside = contains(outline, p) != (own && cut.role == Role::Hole);
-                !inside && (own || distance_to_loop(outline, p) > self.half_kerf_mm + CLEAR_MM)
-            })
+            let clear = |(name, outline): &(String, Vec<P2>)| {
+                *name == cut.piece
+                    || !contains(outline, p) && distance_to_loop(outline, p) > self.half_kerf_mm + CLEAR_MM
+            };
+            contains(own, p) == waste_inside && self.pieces.iter().all(clear)
         })
     }
 }
@@ -75,7 +70,6 @@ mod tests {
     use super::super::cuts::tests::cut;
     use super::super::tests::settings;
     use super::*;
-    use crate::geom::signed_area;
 
     fn square(x: f64, piece: &str) -> Cut {
         let corners = [(x, 0.0), (x + 10.0, 0.0), (x + 10.0, 10.0), (x, 10.0)];
@@ -106,7 +100,9 @@ mod tests {
 
     #[test]
     fn no_lead_touches_a_neighbour() {
-        let (left, right) = (square(0.0, "A1"), square(10.5, "A2"));
+        let left = square(0.0, "A1");
+        let beside = [(10.5, -5.0), (20.0, -5.0), (20.0, 15.0), (10.5, 15.0)].map(|(x, y)| P2::new(x, y));
+        let right = Cut { piece: "A2".into(), ..cut(Path::closed(beside), Role::Outline) };
         let scrap = Scrap::of(&[left.clone(), right], &settings());
         // From the right lower corner the lead would run into the neighbour.
         assert_eq!(scrap.led(left.path.starting_at(1), &left, 1.0, true), left.path.starting_at(1));

@@ -140,8 +140,7 @@ pub fn plan(drawings: &[Drawing], width_mm: f64, height_mm: f64, settings: &Sett
         warnings.push(Warning::new("no-crosses", message));
     }
     let whole = |runs: Vec<Contour>| {
-        let first = settings.engrave.as_ref().unwrap_or(&settings.cut_inner);
-        let marks = crosses.iter().flat_map(|places| crosses::strokes(places, first, settings.constant_power(first)));
+        let marks = crosses.iter().flat_map(|places| crosses::strokes(places, settings));
         let last = settings.cross_cut.then(|| cross_cut(&job, &sheet, &motion, settings));
         let mut runs: Vec<Contour> = marks.chain(runs).chain(last).collect();
         if settings.blade_mm() > 0.0 {

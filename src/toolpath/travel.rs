@@ -130,8 +130,8 @@ mod tests {
 
     #[test]
     fn a_way_goes_round_the_nearer_side_of_a_clamp() {
-        let mut runs = [contour(Path::open([P2::new(60.0, 12.0), P2::new(60.0, 40.0)]), Role::Slit)];
-        let home = route(&mut runs, &[magnet(30.0, 0.0)], P2::new(0.0, 12.0)).unwrap();
+        let mut runs = [contour(Path::open([P2::new(60.0, 8.0), P2::new(60.0, 40.0)]), Role::Slit)];
+        let home = route(&mut runs, &[magnet(30.0, 0.0)], P2::new(0.0, 8.0)).unwrap();
         assert_eq!(runs[0].way.len(), 2);
         assert!(runs[0].way.iter().all(|p| p.y < 0.0), "below is nearer: {:?}", runs[0].way);
         assert!(home.is_empty(), "from up there the way home is free");

@@ -90,33 +90,35 @@ fn nothing_lost(nominal: &[Nominal], runs: &[Run], half_kerf_mm: f64, found: &mu
     let marks: Vec<&Nominal> = nominal.iter().filter(|n| operation(n) == "engrave").collect();
     let lines = Grid::of(marks.iter().map(|n| n.points.as_slice()));
     for run in runs {
+        // An alignment cross: a short stroke on scrap, made before everything else.
         let length: f64 = run.points.windows(2).map(|w| w[0].to(w[1])).sum();
+        let on_scrap = |p: &Point| !outlines.iter().any(|o| o.holds(*p));
+        if run.operation != "cut-outline" && (length - CROSS_MM).abs() < 0.5 && run.points.iter().all(on_scrap) {
+            continue;
+        }
         for (p, _) in walk(&run.points, STEP_MM) {
             let place = || format!("{} at X{:.2} Y{:.2}", run.operation, p.x, p.y);
             match run.operation.as_str() {
                 "cut-outline" => {
                     let into = if outlines.iter().any(|o| o.holds(p)) { -1.0 } else { 1.0 };
-                    found.note(half_kerf_mm - into * rims.distance(p).min(1.0), place);
+                    let off = half_kerf_mm - into * rims.distance(p).min(1.0);
+                    // A blade removes nothing: on the rim both sides of it are right.
+                    found.note(if half_kerf_mm > 0.0 { off } else { off.abs() }, place);
                 }
                 "cut-inner" => match cuts.nearest(p) {
                     None => found.note(f64::INFINITY, place),
                     Some((distance, index)) => {
                         let path = inner[index];
                         let wanted = if path.kerf == "on" { 0.0 } else { half_kerf_mm };
-                        let led = path.class == "hole" && path.holds(p);
-                        let off = (distance - wanted).abs();
-                        found.note(if led { (wanted - distance).max(0.0) } else { off }, place);
+                        // A lead may lie anywhere in what falls out.
+                        let waste = path.closed && path.kerf == "inside" && path.holds(p);
+                        found.note(if waste { wanted - distance } else { (distance - wanted).abs() }, place);
                         if wanted > 0.0 && side(path, p) * path.waste_side() < 0.0 {
                             found.note(distance + wanted, place);
                         }
                     }
                 },
-                _ => {
-                    let cross = (length - CROSS_MM).abs() < 0.5 && !outlines.iter().any(|o| o.holds(p));
-                    if !cross {
-                        found.note(lines.distance(p), place);
-                    }
-                }
+                _ => found.note(lines.distance(p), place),
             }
         }
     }
