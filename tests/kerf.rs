@@ -52,16 +52,29 @@ fn made(model: &str, machine: &str, material: &str) -> Vec<(Vec<Nominal>, Vec<Ru
         .collect()
 }
 
-/// Gaps a contour may have: bridges on outlines, at most so wide and so many; a blade's way to the hinge on flaps.
-fn judge(model: &str, nominal: &[Nominal], found: &Found, bridge_mm: f64, pitch_mm: f64, hinge_mm: f64) {
+/// Gaps that are meant, mm.
+struct Meant {
+    /// Bridges on outlines: width of sheet left, and pitch.
+    bridge: (f64, f64),
+    /// What a blade leaves of a flap's cut at each end of its hinge.
+    hinge: f64,
+    /// What a perforation leaves between two dashes of a mark.
+    dash: f64,
+}
+
+const NOTHING: Meant = Meant { bridge: (0.0, f64::INFINITY), hinge: 0.0, dash: 0.0 };
+
+fn judge(model: &str, nominal: &[Nominal], found: &Found, meant: &Meant) {
     assert!(found.worst_mm <= compare::TOLERANCE_MM, "{model}: off by {} mm: {}", found.worst_mm, found.where_worst);
     for (path, gaps) in nominal.iter().zip(&found.gaps) {
-        let (widest, most) = match path.class.as_str() {
-            // The kerf is taken off both ends of a bridge; looking takes steps.
-            "outline" => (bridge_mm + 0.2, (path.length() / pitch_mm).ceil().max(2.0) as usize),
-            "flap" => (hinge_mm, 2),
+        let (left, most) = match path.class.as_str() {
+            "outline" => (meant.bridge.0, (path.length() / meant.bridge.1).ceil().max(2.0) as usize),
+            "flap" => (meant.hinge, 2),
+            "mark" | "label" => (meant.dash, usize::MAX),
             _ => (0.0, 0),
         };
+        // The kerf is taken off both ends of a bridge, and looking takes steps.
+        let widest = if left > 0.0 { left + 0.2 } else { 0.0 };
         assert!(gaps.len() <= most, "{model}: {} gaps in the {} of {}", gaps.len(), path.class, path.piece);
         for gap in gaps {
             assert!(*gap <= widest, "{model}: {gap:.2} mm left uncut in the {} of {}", path.class, path.piece);
@@ -75,7 +88,7 @@ fn a_laser_leaves_every_model_true_to_size_but_for_its_bridges() {
         for (nominal, runs, kerf_mm) in made(model, "diode-400", "paper-160") {
             assert_eq!(kerf_mm, 0.15);
             let found = compare::beam(&nominal, &runs, kerf_mm);
-            judge(model, &nominal, &found, 0.4, 100.0, 0.0);
+            judge(model, &nominal, &found, &Meant { bridge: (0.4, 100.0), ..NOTHING });
             let outlines = nominal.iter().zip(&found.gaps).filter(|(n, _)| n.class == "outline");
             for (outline, gaps) in outlines {
                 assert!(gaps.len() >= 2, "{model}: {} hangs on {} bridges", outline.piece, gaps.len());
@@ -88,7 +101,7 @@ fn a_laser_leaves_every_model_true_to_size_but_for_its_bridges() {
 fn a_co2_laser_leaves_film_true_to_size_with_its_slots_and_leads() {
     for (nominal, runs, kerf_mm) in made("stool", "k40", "polyester-0.1") {
         let found = compare::beam(&nominal, &runs, kerf_mm);
-        judge("stool", &nominal, &found, 0.25, 80.0, 0.0);
+        judge("stool", &nominal, &found, &Meant { bridge: (0.25, 80.0), dash: 0.9, ..NOTHING });
     }
 }
 
@@ -97,7 +110,7 @@ fn a_blade_leaves_every_model_true_to_size_but_for_the_last_of_its_hinges() {
     for model in MODELS {
         for (nominal, runs, _) in made(model, "knife", "paper-160") {
             let found = compare::blade(&nominal, &runs, TRAIL_MM);
-            judge(model, &nominal, &found, 0.0, f64::INFINITY, TRAIL_MM + 0.1);
+            judge(model, &nominal, &found, &Meant { hinge: TRAIL_MM, ..NOTHING });
         }
     }
 }

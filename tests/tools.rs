@@ -1,5 +1,6 @@
 //! Sheets for every tool, as users make them: laser, knife, pen and roll, judged by the files.
 
+use furbelow::drawing::text_paths;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -108,25 +109,26 @@ fn a_roll_fed_along_y_is_turned_and_reads_the_right_way_round() {
     assert!(output.status.success(), "{}", told(&output));
     let text = sheet(&folder, "sheet-01.nc");
     assert!(text.contains("; sheet lies: X260.000 Y0.000 turned 90"), "{text}");
-    // "PIECE" begins with a P, drawn as a stem and a bowl that stands to the right of the stem's upper half as one reads. Turned by a quarter, right
-    // is up (+y) and up is left (-x): mirrored, the bowl would be on the other side.
-    let engraved = text.split("; cut-inner").next().unwrap();
-    let all = strokes(engraved);
-    let near = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).hypot(a.1 - b.1) < 0.01;
-    let mut letters = 0;
-    for stem in &all {
-        let [a, b] = *stem;
-        let upright = (a.1 - b.1).abs() < 0.01 && ((a.0 - b.0).abs() - 3.0).abs() < 0.3;
-        let (foot, top) = if a.0 > b.0 { (a, b) } else { (b, a) };
-        let bowls: Vec<_> = all.iter().filter(|s| *s != stem && (near(s[0], top) || near(s[1], top))).collect();
-        let free_foot = !all.iter().any(|s| s != stem && (near(s[0], foot) || near(s[1], foot)));
-        if upright && free_foot && bowls.len() == 1 {
-            let end = if near(bowls[0][0], top) { bowls[0][1] } else { bowls[0][0] };
-            letters += usize::from(end.1 > top.1 + 0.5);
-            assert!(end.1 > top.1 - 0.01, "a letter faces the wrong way at X{:.1} Y{:.1}", top.0, top.1);
-        }
-    }
-    assert!(letters > 0, "no P found");
+    let points: Vec<(f64, f64)> = strokes(text.split("; cut-inner").next().unwrap()).into_iter().flatten().collect();
+    // The sheet lies a quarter turn round, and a piece on it may lie either way.
+    assert!(reads(&points, "PIECE A1", &[90.0, 270.0], false), "no label reads PIECE A1");
+    assert!(!reads(&points, "PIECE A1", &[0.0, 90.0, 180.0, 270.0], true), "a label is mirrored");
+}
+
+/// True when the ends of all strokes of a text, turned by one of some angles and moved somewhere, or mirrored before, are among the points.
+fn reads(points: &[(f64, f64)], text: &str, angles_deg: &[f64], mirrored: bool) -> bool {
+    let paths = text_paths(text, 3.0);
+    let ends = paths.iter().flat_map(|path| [path.start(), path.end()]).flatten();
+    let ends: Vec<(f64, f64)> = ends.map(|p| (if mirrored { -p.x } else { p.x }, p.y)).collect();
+    let near = |x: f64, y: f64| points.iter().any(|p| (p.0 - x).abs() < 0.02 && (p.1 - y).abs() < 0.02);
+    angles_deg.iter().any(|angle| {
+        let (sin, cos) = angle.to_radians().sin_cos();
+        let turned: Vec<(f64, f64)> = ends.iter().map(|(x, y)| (cos * x - sin * y, sin * x + cos * y)).collect();
+        points.iter().any(|(px, py)| {
+            let (dx, dy) = (px - turned[0].0, py - turned[0].1);
+            turned.iter().all(|(x, y)| near(x + dx, y + dy))
+        })
+    })
 }
 
 #[test]

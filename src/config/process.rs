@@ -52,7 +52,7 @@ pub struct Process {
     pub bridges: Option<Bridges>,
     /// The blade and its pressure, for drag knives.
     pub blade: Option<Blade>,
-    /// True when the values were measured on this very machine.
+    /// True when the values were measured on this very machine, and for a pen, which needs none.
     pub calibrated: bool,
     /// Where the values come from, in the profile's words.
     pub source: String,
@@ -81,8 +81,10 @@ impl Machine {
         let pen = self.tool.class == ToolClass::Pen;
         let cuts = if pen { ProcessKind::Engrave } else { ProcessKind::Cut };
         let row = nearest_row(self, profile, cuts).ok_or_else(|| no_process(self, profile))?;
-        let cut = carry_over(self, profile, row)?;
+        let mut cut = carry_over(self, profile, row)?;
         if pen {
+            // Nothing of a line needs measuring first.
+            cut.calibrated = true;
             let message = format!("{} draws the lines and cuts nothing: cut by hand along them", self.name);
             warnings.push(Warning::new("drawn-only", message));
         }
@@ -95,8 +97,7 @@ impl Machine {
             }
             None => None,
         };
-        // A line drawn a little faster is still a line.
-        if !cut.calibrated && !pen {
+        if !cut.calibrated {
             warnings.push(Warning::new(
                 "uncalibrated",
                 format!(

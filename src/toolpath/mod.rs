@@ -131,25 +131,28 @@ pub fn plan(drawings: &[Drawing], width_mm: f64, height_mm: f64, settings: &Sett
 
     let scrap = Scrap::of(&made.cuts, settings);
     let on_machine = Rect::EMPTY.with(motion * sheet.min).with(motion * sheet.max);
+    // A roll is not fed far forward and back again for a mark.
+    let begun = P2::new(settings.window_mm.unwrap_or(width_mm).min(width_mm), height_mm);
+    let begun = Rect::EMPTY.with(motion * sheet.min).with(motion * begun);
     let marked = settings.crosses && matches!(settings.frame.zero, Zero::Sheet(_)) && !made.cuts.is_empty();
-    let field =
-        Rect { min: on_machine.min.sup(&settings.work_area.min), max: on_machine.max.inf(&settings.work_area.max) };
+    let field = Rect { min: begun.min.sup(&settings.work_area.min), max: begun.max.inf(&settings.work_area.max) };
     let crosses = if marked { crosses::places(&field, scrap.pieces(), &settings.keep_outs) } else { None };
     if marked && crosses.is_none() {
         let message = "no room on the scrap for two alignment crosses: a stopped job cannot be found again by them; use a wider margin";
         warnings.push(Warning::new("no-crosses", message));
     }
+    let marks: Vec<Contour> = crosses.iter().flat_map(|places| crosses::strokes(places, settings)).collect();
+    let from = marks.last().and_then(|mark| mark.path.end()).unwrap_or(settings.park);
     let whole = |runs: Vec<Contour>| {
-        let marks = crosses.iter().flat_map(|places| crosses::strokes(places, settings));
         let last = settings.cross_cut.then(|| cross_cut(&job, &sheet, &motion, settings));
-        let mut runs: Vec<Contour> = marks.chain(runs).chain(last).collect();
+        let mut runs: Vec<Contour> = marks.iter().cloned().chain(runs).chain(last).collect();
         if settings.blade_mm() > 0.0 {
             knife::drag(&mut runs, settings.blade_mm());
         }
         runs
     };
     let as_drawn = whole(order::as_drawn(&made.cuts, settings, &scrap));
-    let mut contours = whole(order::arranged(&made.cuts, settings, &scrap));
+    let mut contours = whole(order::arranged(&made.cuts, from, settings, &scrap));
     limits::check(&contours, &on_machine, settings)?;
     let home = travel::route(&mut contours, &settings.keep_outs, settings.park)?;
     Ok(Toolpath {

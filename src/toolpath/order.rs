@@ -8,13 +8,13 @@ use super::{Contour, Settings};
 use crate::drawing::Operation;
 use crate::geom::P2;
 
-/// All runs, for cuts sorted by length of feed and operation.
+/// All runs, for cuts sorted by length of feed and operation, by a tool that stands at `from`.
 ///
 /// Where nothing holds the sheet, outlines are made from the far side toward the park point, so that what is freed never lies between the head and
 /// uncut sheet.
-pub(super) fn arranged(cuts: &[Cut], settings: &Settings, scrap: &Scrap) -> Vec<Contour> {
+pub(super) fn arranged(cuts: &[Cut], from: P2, settings: &Settings, scrap: &Scrap) -> Vec<Contour> {
     let mut contours: Vec<Contour> = Vec::new();
-    let mut at = settings.park;
+    let mut at = from;
     let groups: Vec<&[Cut]> = cuts.chunk_by(|a, b| (a.window, a.operation) == (b.window, b.operation)).collect();
     for (number, group) in groups.iter().enumerate() {
         let places: Vec<Vec<Visit>> = group.iter().map(|cut| runs::visits(cut, settings)).collect();
