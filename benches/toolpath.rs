@@ -12,7 +12,7 @@ use furbelow::gcode::{Dialect, Header, ToolWords, emit, estimate, trace};
 use furbelow::geom::{P2, Path, Rect};
 use furbelow::job::{self, Order, Overrides, limits};
 use furbelow::progress::Quiet;
-use furbelow::toolpath::{Air, Frame, Pass, Process, Settings, Tool, plan};
+use furbelow::toolpath::{Air, Frame, Pass, Process, Settings, Share, Tool, plan};
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -51,6 +51,7 @@ fn settings(curve_tolerance_mm: f64) -> Settings {
     };
     Settings {
         tool: Tool::Laser { strike: None },
+        share: Share::All,
         kerf_mm: 0.15,
         engrave: None,
         cut_inner: process.clone(),

@@ -1,6 +1,12 @@
 //! Sheets for every tool, as users make them: laser, knife, pen and roll, judged by the files.
 
-use furbelow::drawing::text_paths;
+use furbelow::config::Library;
+use furbelow::drawing::{Drawing, DrawnPath, KerfSide, Role, text_paths};
+use furbelow::gcode::{Action, Beam, CheckSettings, Dialect, Header, ToolWords, check, emit, trace};
+use furbelow::geom::{P2, Path as Path2, Rect};
+use furbelow::job::check_settings;
+use furbelow::toolpath::{Air, Bridges, Frame, Pass, Process, Settings, Share, Tool, plan};
+use proptest::prelude::*;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -89,6 +95,15 @@ fn a_roll_is_a_plot_that_check_and_preview_read_too() {
     assert!(checked.status.success(), "{}", told(&checked));
     let checked: Value = serde_json::from_slice(&checked.stdout).unwrap();
     assert!((checked["cut_mm"].as_f64().unwrap() - drawn).abs() < 0.002 * drawn, "{checked} {drawn}");
+    // Labels are drawn by a pen in the knife's place, from the same zero and past the same crosses.
+    let pen = sheet(&folder, "sheet-01.pen.plt");
+    assert!(warned(&report, "pen-first") && pen.len() > 1000);
+    let first_cross = |text: &str| text.lines().find(|l| l.starts_with("PU")).unwrap().to_owned();
+    assert_eq!(
+        (first_cross(&pen).as_str(), first_cross(&text).as_str()),
+        ("PU40,120;", "PU50,120;"),
+        "the blade leads by its trail"
+    );
     // 600 mm of media less two pinch margins.
     assert!(checked["bounds_mm"][3].as_f64().unwrap() < 560.0);
     let shown = furbelow(folder.path(), &["preview", "out/sheets/sheet-01.plt", "--out", "sheet.html"]);
@@ -213,4 +228,83 @@ fn a_tube_cuts_thin_film_at_constant_power_and_never_travels_lit() {
     let codes: Vec<&str> =
         checked["warnings"].as_array().unwrap().iter().map(|w| w["code"].as_str().unwrap()).collect();
     assert!(!codes.contains(&"unlit") && checked["errors"].as_array().unwrap().is_empty(), "{codes:?}");
+}
+
+/// Pieces in rows, some of them left out, with a slit, a mark and a flap each.
+fn pieces(taken: &[bool]) -> Vec<Drawing> {
+    let mut drawings = Vec::new();
+    for (k, _) in taken.iter().enumerate().filter(|(_, taken)| **taken) {
+        let (x, y) = (15.0 + 75.0 * (k % 5) as f64, 15.0 + 55.0 * (k / 5) as f64);
+        let p = |dx: f64, dy: f64| P2::new(x + dx, y + dy);
+        let drawn = |path, role, kerf| DrawnPath { path, role, kerf, joint: None };
+        let outline = Path2::rounded(&[p(0.0, 0.0), p(60.0, 0.0), p(60.0, 40.0), p(0.0, 40.0)].map(|c| (c, 2.0)), true);
+        let paths = vec![
+            drawn(outline, Role::Outline, KerfSide::Outside),
+            drawn(Path2::open([p(20.0, 10.0), p(20.0, 30.0)]), Role::Slit, KerfSide::On),
+            drawn(
+                Path2::open([p(40.0, 10.0), p(48.0, 10.0), p(48.0, 20.0), p(40.0, 20.0)]),
+                Role::Flap,
+                KerfSide::Right,
+            ),
+            drawn(Path2::open([p(10.0, 10.0), p(10.0, 30.0)]), Role::Mark, KerfSide::On),
+        ];
+        drawings.push(Drawing { name: format!("A{}", k + 1), paths });
+    }
+    drawings
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    /// Whatever lies on the bed and however it is cut: the program keeps off the clamps, inside the bed, and its beam off on travels.
+    #[test]
+    fn no_program_travels_lit_leaves_the_bed_or_runs_into_a_clamp(
+        taken in prop::collection::vec(any::<bool>(), 25), clamps in prop::collection::vec((0usize..4, 0usize..5), 0..4),
+        blade in any::<bool>(), constant in any::<bool>(), bridged in any::<bool>(), lead_mm in 0.0..1.5f64,
+    ) {
+        let library = Library::built_in();
+        let machine = library.machine("diode-400").unwrap();
+        let process = Process { feed_mm_per_min: 1200.0, passes: vec![Pass { power: 0.5, depth_mm: 0.0 }; 2], air: Air::Off, dashes: None };
+        // Clamps stand in the lanes of 15 mm between the pieces.
+        let clamp = |(column, row): (usize, usize)| {
+            let min = P2::new(78.0 + 75.0 * column as f64, 20.0 + 55.0 * row as f64);
+            ("clamp".to_owned(), Rect { min, max: P2::new(min.x + 9.0, min.y + 30.0) })
+        };
+        let keep_outs: Vec<(String, Rect)> = clamps.into_iter().map(clamp).collect();
+        let settings = Settings {
+            tool: if blade { Tool::Knife { offset_mm: 0.25 } } else { Tool::Laser { strike: None } },
+            share: Share::All,
+            kerf_mm: if blade { 0.0 } else { 0.15 },
+            engrave: Some(process.clone()),
+            cut_inner: process.clone(),
+            cut_outline: process,
+            curve_tolerance_mm: 0.02,
+            bridges: bridged.then_some(Bridges { width_mm: 0.4, pitch_mm: 60.0, everywhere: false }),
+            held: true,
+            lead_mm: if blade { 0.0 } else { lead_mm },
+            overcut_mm: if blade { 0.5 } else { 0.0 },
+            cool_mm: 0.0,
+            common_edges: false,
+            crosses: true,
+            window_mm: None,
+            cross_cut: false,
+            frame: Frame::PLAIN,
+            work_area: Rect::from_size(400.0, 400.0),
+            keep_outs: keep_outs.clone(),
+            park: P2::origin(),
+        };
+        let path = plan(&pieces(&taken), 400.0, 300.0, &settings).unwrap();
+        let tool = if blade {
+            ToolWords::Lift { down_mm: 0.0, up_mm: 3.0, feed_mm_per_min: 600.0, dwell_s: 0.1 }
+        } else {
+            ToolWords::Laser { constant_power: constant }
+        };
+        let program = emit(&path, &Header::default(), &Dialect { max_s: 1000.0, tool, from_here: false, air: None }).unwrap();
+        let settings = CheckSettings { keep_outs, laser: !blade, laser_mode: !blade, ..check_settings(&machine, None) };
+        let report = check(&program, &settings);
+        prop_assert!(report.errors.is_empty(), "{:?}", report.errors);
+        let moves = trace(&program).unwrap();
+        prop_assert!(moves.iter().all(|m| m.action != Action::Rapid || m.power_s == 0.0 || m.beam == Beam::Off));
+        let sums: f64 = path.contours.iter().map(|c| c.path.length()).sum();
+        prop_assert!((report.cut_mm - sums).abs() < 0.01 * sums.max(1.0) + if blade { 3.0 * path.contours.len() as f64 } else { 0.0 });
+    }
 }

@@ -223,6 +223,9 @@ pub struct Tool {
     /// The z axis that brings a knife or a pen down.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lift: Option<Lift>,
+    /// A pen can take the knife's place: what a knife cannot mark is then drawn first, by a program of its own with the same zero.
+    #[serde(default)]
+    pub takes_pen: bool,
     /// Free height under the head while it travels: it passes over what stands no higher. A laser's is from its nozzle to the sheet.
     #[serde(default)]
     pub clearance_mm: f64,

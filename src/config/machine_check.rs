@@ -93,6 +93,8 @@ fn lift(machine: &Machine, checker: &mut Checker<'_>) {
         "controller.dialect",
         "HP-GL knows no power: a laser needs dialect = \"grbl\"",
     );
+    let message = "only a knife's holder takes a pen: leave this out";
+    checker.require(!machine.tool.takes_pen || machine.tool.class == ToolClass::Knife, "tool.takes_pen", message);
     checker.at_least("tool.clearance_mm", machine.tool.clearance_mm, 0.0);
     checker.at_least("tool.head_radius_mm", machine.tool.head_radius_mm, 0.0);
     match (machine.tool.servo, machine.tool.lift) {

@@ -21,6 +21,8 @@ pub struct Pairing {
     pub cut: Process,
     /// Labels and marks on its surface; `None` where this tool leaves nothing legible or cuts through.
     pub engrave: Option<Process>,
+    /// Drawing with a pen in the knife's place, where the knife cannot mark and its holder takes one.
+    pub pen: Option<Process>,
     /// What the user should know: "test this pair first", "uncalibrated".
     pub warnings: Vec<Warning>,
 }
@@ -106,7 +108,8 @@ impl Machine {
                 ),
             ));
         }
-        Ok(Pairing { cut, engrave, warnings })
+        let pen = if engrave.is_none() { drawn(self, profile)? } else { None };
+        Ok(Pairing { cut, engrave, pen, warnings })
     }
 }
 
@@ -152,6 +155,16 @@ fn nearest_row<'a>(machine: &Machine, profile: &'a Profile, operation: ProcessKi
         .iter()
         .filter(|row| row.tool == machine.tool.class && row.operation == operation)
         .min_by(|a, b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)))
+}
+
+/// How a pen in the tool's place draws, if there is one and the material takes it.
+fn drawn(machine: &Machine, profile: &Profile) -> Result<Option<Process>, Error> {
+    let (verdict, _) = profile.allowed.for_tool(ToolClass::Pen);
+    if !machine.tool.takes_pen || verdict == Some(Verdict::Never) {
+        return Ok(None);
+    }
+    let row = profile.process.iter().find(|r| r.tool == ToolClass::Pen && r.operation == ProcessKind::Engrave);
+    row.map(|row| carry_over(machine, profile, row)).transpose()
 }
 
 fn measured_here(machine: &Machine, row: &ProcessRow) -> bool {
@@ -331,6 +344,15 @@ mod tests {
         let elsewhere = Machine { name: "other".into(), ..diode(10.0) }.pair(&paper).expect("allowed");
         assert!(!elsewhere.cut.calibrated);
         assert_eq!(elsewhere.warnings[0].code, "uncalibrated");
+    }
+
+    #[test]
+    fn a_pen_in_the_knifes_place_draws_what_the_knife_cannot_mark() {
+        let mut roll = machine("roll-610");
+        let pair = roll.pair(&profile("paper-160")).expect("allowed");
+        assert!(pair.engrave.is_none() && pair.pen.is_some_and(|pen| pen.feed_mm_per_min == 4000.0));
+        roll.tool.takes_pen = false;
+        assert_eq!(roll.pair(&profile("paper-160")).expect("allowed").pen, None);
     }
 
     #[test]

@@ -50,6 +50,9 @@ pub(super) fn write(
         let svg = drawing::sheet_svg(sheet.layout.width_mm, sheet.layout.height_mm, &sheet.drawings);
         stage.write(&name("svg"), svg.as_bytes())?;
         stage.write(&name("dxf"), drawing::dxf(&sheet.drawings).as_bytes())?;
+        if let Some(pen) = &sheet.pen {
+            stage.write(&name(&format!("pen.{}", sheet.ending)), pen.as_bytes())?;
+        }
         stage.write(&name(sheet.ending), sheet.text.as_bytes())?;
         png(stage, &name("png"), &pictures::sheet(sheet, run, setup), pictures::SHEET_PX)?;
     }

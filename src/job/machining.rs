@@ -32,6 +32,7 @@ impl Setup {
         let roll = self.machine.roll.as_ref();
         let mut settings = toolpath::Settings {
             tool: self.tool(),
+            share: if self.pairing.pen.is_some() { toolpath::Share::Cuts } else { toolpath::Share::All },
             kerf_mm: self.pairing.cut.kerf_mm,
             engrave: self.pairing.engrave.as_ref().map(process),
             cut_inner: cut.clone(),
@@ -60,6 +61,21 @@ impl Setup {
             settings.lead_mm = self.pairing.cut.lead_mm.unwrap_or(if marks { LEAD_MM } else { 0.0 });
         }
         settings
+    }
+
+    /// How a pen in the tool's place draws the marks of a sheet, before it is cut; `None` where the tool marks itself or nothing does.
+    pub(super) fn drawing(&self, start: &StartFrom) -> Option<toolpath::Settings> {
+        let pen = process(self.pairing.pen.as_ref()?);
+        Some(toolpath::Settings {
+            tool: toolpath::Tool::Pen,
+            share: toolpath::Share::Marks,
+            kerf_mm: 0.0,
+            engrave: Some(pen),
+            bridges: None,
+            overcut_mm: 0.0,
+            cross_cut: false,
+            ..self.toolpath(start)
+        })
     }
 
     /// True when nothing keeps what is cut out of the sheet in its place.

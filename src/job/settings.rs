@@ -29,7 +29,12 @@ impl Setup {
         let profile = library.profile(&design.material)?;
         let pairing = machine.pair(&profile)?;
         let mut warnings = pairing.warnings.clone();
-        if pairing.engrave.is_none() {
+        if pairing.engrave.is_none() && pairing.pen.is_some() {
+            warnings.push(Warning::new(
+                "pen-first",
+                "labels are drawn, not cut: put a pen in the knife's place and run sheets/*.pen.* first, then the knife and the other file, without moving the zero",
+            ));
+        } else if pairing.engrave.is_none() {
             warnings.push(Warning::new(
                 "no-labels",
                 format!(
@@ -123,13 +128,18 @@ impl Setup {
         }
     }
 
+    /// How marks and letters are made, by the tool or by a pen in its place.
+    pub(super) fn marking(&self) -> Option<&config::Process> {
+        self.pairing.engrave.as_ref().or(self.pairing.pen.as_ref())
+    }
+
     /// How strips become pieces of at most `max_piece_mm`.
     pub fn strip(&self, max_piece_mm: f64) -> strip::Settings {
         strip::Settings {
             joint: self.joint(),
             max_piece_mm,
             splice_overlap_mm: self.profile.splice.lap_mm,
-            label_mm: self.pairing.engrave.as_ref().map(|_| self.profile.min_label_height_mm),
+            label_mm: self.marking().map(|_| self.profile.min_label_height_mm),
             grammage_g_per_m2: self.profile.grammage_g_per_m2,
         }
     }

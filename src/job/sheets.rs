@@ -36,7 +36,9 @@ pub(super) struct CutSheet {
     pub toolpath: Toolpath,
     /// What the machine reads.
     pub text: String,
-    /// What that makes it do.
+    /// What a pen in the tool's place draws before, as the machine reads it.
+    pub pen: Option<String>,
+    /// What the tool's own program makes it do.
     pub moves: Vec<Move>,
     /// Planned time, s.
     pub time_s: f64,
@@ -107,7 +109,7 @@ fn shared(container: Container, sets: usize) -> Container {
 
 /// The name of a set on the margin, where no piece lies; `None` where the tool cannot letter or the margin is too narrow.
 fn lettered(name: &str, setup: &Setup) -> Option<Drawing> {
-    setup.pairing.engrave.as_ref()?;
+    setup.marking()?;
     let height_mm = (setup.nest().margin_mm - 2.0 * NAME_ROOM_MM).min(2.0 * setup.profile.min_label_height_mm);
     if height_mm < setup.profile.min_label_height_mm {
         return None;
@@ -139,20 +141,51 @@ fn program(
     order: &Order,
 ) -> Result<CutSheet, Error> {
     let file = format!("sheet-{:02}", place.number);
-    let sheet = || file.clone();
     let start = &order.batch.start;
+    let written = |drawings: &[Drawing], settings: &toolpath::Settings| {
+        written(&file, place, drawings, [layout.width_mm, layout.height_mm], settings, setup, order)
+    };
     let settings = setup.toolpath(start);
-    let toolpath = toolpath::plan(&drawings, layout.width_mm, layout.height_mm, &settings)
+    let (pen, program) = match setup.drawing(start) {
+        Some(drawing) => (Some(written(&drawings, &drawing)?.text), written(&drawings, &settings)?),
+        None => (None, written(&drawings, &settings)?),
+    };
+    let Written { toolpath, text, moves, time_s } = program;
+    let ending = if setup.plotter().is_some() { "plt" } else { "nc" };
+    Ok(CutSheet { stock: place.stock.to_owned(), file, ending, layout, drawings, toolpath, text, pen, moves, time_s })
+}
+
+/// A program and what it comes to.
+struct Written {
+    toolpath: Toolpath,
+    text: String,
+    moves: Vec<Move>,
+    time_s: f64,
+}
+
+/// Plans, writes, reads back and checks one program.
+fn written(
+    file: &str,
+    place: Place,
+    drawings: &[Drawing],
+    [width_mm, height_mm]: [f64; 2],
+    settings: &toolpath::Settings,
+    setup: &Setup,
+    order: &Order,
+) -> Result<Written, Error> {
+    let sheet = || file.to_owned();
+    let start = &order.batch.start;
+    let toolpath = toolpath::plan(drawings, width_mm, height_mm, settings)
         .map_err(|source| Error::Toolpath { sheet: sheet(), source })?;
     let refused = |source| Error::Gcode { sheet: sheet(), source };
     let checked = check_settings(setup, start, &toolpath);
-    let (ending, text, moves, findings) = if let Some(plotter) = setup.plotter() {
+    let (text, moves, findings) = if let Some(plotter) = setup.plotter() {
         let text = gcode::emit_plot(&toolpath, &plotter).map_err(refused)?;
         let feed_mm_per_min = setup.machine.max_feed_mm_per_min();
         let moves =
             gcode::trace_plot(&text, feed_mm_per_min).map_err(|source| Error::Plot { file: sheet(), source })?;
         let findings = gcode::check_moves(&moves, text.lines().count(), &checked).errors;
-        ("plt", text, moves, findings)
+        (text, moves, findings)
     } else {
         let write = |header: &Header| gcode::emit(&toolpath, header, &setup.dialect(start)).map_err(refused);
         let read = |program: &Program| gcode::trace(program).map_err(|source| Error::Trace { sheet: sheet(), source });
@@ -160,13 +193,13 @@ fn program(
         let time_s = gcode::estimate(&read(&write(&Header::default())?)?, &setup.limits()).total_s;
         let program = write(&header(place, &toolpath, time_s, setup, order))?;
         let moves = read(&program)?;
-        ("nc", program.to_string(), moves, gcode::check(&program, &checked).errors)
+        (program.to_string(), moves, gcode::check(&program, &checked).errors)
     };
     if let Some(finding) = findings.into_iter().next() {
         return Err(Error::Check { sheet: sheet(), finding });
     }
     let time_s = gcode::estimate(&moves, &setup.limits()).total_s;
-    Ok(CutSheet { stock: place.stock.to_owned(), file, ending, layout, drawings, toolpath, text, moves, time_s })
+    Ok(Written { toolpath, text, moves, time_s })
 }
 
 /// What the machine permits. A job placed by hand lies nobody knows where: it is only checked for its size.

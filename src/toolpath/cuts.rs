@@ -46,6 +46,9 @@ pub(super) fn cuts(drawings: &[Drawing], settings: &Settings, feed_of: &dyn Fn(&
         let window = settings.window_mm.map_or(0, |window| (feed_of(&drawing.bounds()) / window).max(0.0) as usize);
         for drawn in &drawing.paths {
             let operation = drawn.role.operation();
+            if !settings.share.holds(operation) {
+                continue;
+            }
             if settings.process(operation).is_none() {
                 return Err(Error::NoProcess { piece: drawing.name.clone(), role: drawn.role.class() });
             }

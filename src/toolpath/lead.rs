@@ -2,7 +2,7 @@
 
 use super::cuts::Cut;
 use super::{Settings, curve};
-use crate::drawing::Role;
+use crate::drawing::Drawing;
 use crate::geom::{P2, Path, PathVertex, V2, contains, distance_to_loop, signed_area, tolerance};
 
 /// Room between a lead's beam and any piece, mm.
@@ -14,15 +14,14 @@ const LOOKS: u32 = 8;
 /// Where leads may lie: everywhere but on a piece.
 pub(super) struct Scrap {
     pieces: Vec<(String, Vec<P2>)>,
-    half_kerf_mm: f64,
+    kerf_mm: f64,
 }
 
 impl Scrap {
-    /// What the outlines among `cuts` leave over. Outlines are compensated, so they lie half a kerf outside their piece.
-    pub fn of(cuts: &[Cut], settings: &Settings) -> Scrap {
-        let outlines = cuts.iter().filter(|c| c.role == Role::Outline && c.path.closed);
-        let flat = |c: &Cut| (c.piece.clone(), c.path.flatten(tolerance::FLATTEN_MM));
-        Scrap { pieces: outlines.map(flat).collect(), half_kerf_mm: 0.5 * settings.kerf_mm }
+    /// What the pieces leave over, mm in the frame they are drawn in.
+    pub fn of(pieces: &[Drawing], settings: &Settings) -> Scrap {
+        let flat = |d: &Drawing| Some((d.name.clone(), d.outline()?.flatten(tolerance::FLATTEN_MM)));
+        Scrap { pieces: pieces.iter().filter_map(flat).collect(), kerf_mm: settings.kerf_mm }
     }
 
     /// The contours of all pieces, for who looks for free places.
@@ -57,8 +56,7 @@ impl Scrap {
         let waste_inside = cut.waste_left == Some(signed_area(own) > 0.0);
         (0..LOOKS).map(|k| off + (on - off) * (f64::from(k) / f64::from(LOOKS))).all(|p| {
             let clear = |(name, outline): &(String, Vec<P2>)| {
-                *name == cut.piece
-                    || !contains(outline, p) && distance_to_loop(outline, p) > self.half_kerf_mm + CLEAR_MM
+                *name == cut.piece || !contains(outline, p) && distance_to_loop(outline, p) > self.kerf_mm + CLEAR_MM
             };
             contains(own, p) == waste_inside && self.pieces.iter().all(clear)
         })
@@ -70,6 +68,12 @@ mod tests {
     use super::super::cuts::tests::cut;
     use super::super::tests::settings;
     use super::*;
+    use crate::drawing::{DrawnPath, KerfSide, Role};
+
+    fn drawn(cut: &Cut) -> Drawing {
+        let path = DrawnPath { path: cut.path.clone(), role: Role::Outline, kerf: KerfSide::Outside, joint: None };
+        Drawing { name: cut.piece.clone(), paths: vec![path] }
+    }
 
     fn square(x: f64, piece: &str) -> Cut {
         let corners = [(x, 0.0), (x + 10.0, 0.0), (x + 10.0, 10.0), (x, 10.0)];
@@ -84,7 +88,7 @@ mod tests {
                 piece.path = piece.path.reversed();
                 piece.waste_left = piece.waste_left.map(|left| !left);
             }
-            let led = Scrap::of(std::slice::from_ref(&piece), &settings()).led(piece.path.clone(), &piece, 1.0, true);
+            let led = Scrap::of(&[drawn(&piece)], &settings()).led(piece.path.clone(), &piece, 1.0, true);
             let corners = piece.path.flatten(0.01);
             assert!((led.length() - 42.0).abs() < 1e-9 && !led.closed);
             for p in [led.start().unwrap(), led.end().unwrap()] {
@@ -93,7 +97,7 @@ mod tests {
         }
         let mut hole = square(0.0, "A1");
         (hole.role, hole.waste_left) = (Role::Hole, Some(true));
-        let scrap = Scrap::of(&[square(-20.0, "A2")], &settings());
+        let scrap = Scrap::of(&[drawn(&square(-20.0, "A2"))], &settings());
         let led = scrap.led(hole.path.clone(), &hole, 1.0, true);
         assert!(contains(&hole.path.flatten(0.01), led.start().unwrap()));
     }
@@ -103,7 +107,7 @@ mod tests {
         let left = square(0.0, "A1");
         let beside = [(10.5, -5.0), (20.0, -5.0), (20.0, 15.0), (10.5, 15.0)].map(|(x, y)| P2::new(x, y));
         let right = Cut { piece: "A2".into(), ..cut(Path::closed(beside), Role::Outline) };
-        let scrap = Scrap::of(&[left.clone(), right], &settings());
+        let scrap = Scrap::of(&[drawn(&left), drawn(&right)], &settings());
         // From the right lower corner the lead would run into the neighbour.
         assert_eq!(scrap.led(left.path.starting_at(1), &left, 1.0, true), left.path.starting_at(1));
         assert!((scrap.led(left.path.starting_at(3), &left, 1.0, true).length() - 42.0).abs() < 1e-9);

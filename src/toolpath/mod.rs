@@ -28,7 +28,7 @@ mod tour;
 mod travel;
 
 pub use error::Error;
-pub use settings::{Air, Anchor, Bridges, Dashes, Frame, Pass, Process, Settings, Strike, Tool, Zero};
+pub use settings::{Air, Anchor, Bridges, Dashes, Frame, Pass, Process, Settings, Share, Strike, Tool, Zero};
 
 use crate::drawing::{Drawing, Operation, Role};
 use crate::geom::{Motion, P2, Path, Rect};
@@ -129,7 +129,7 @@ pub fn plan(drawings: &[Drawing], width_mm: f64, height_mm: f64, settings: &Sett
     let made = cuts::cuts(&placed, settings, &feed_of)?;
     let mut warnings = made.warnings;
 
-    let scrap = Scrap::of(&made.cuts, settings);
+    let scrap = Scrap::of(&placed, settings);
     let on_machine = Rect::EMPTY.with(motion * sheet.min).with(motion * sheet.max);
     // A roll is not fed far forward and back again for a mark.
     let begun = P2::new(settings.window_mm.unwrap_or(width_mm).min(width_mm), height_mm);

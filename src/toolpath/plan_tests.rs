@@ -10,6 +10,7 @@ pub(super) fn process(feed_mm_per_min: f64, power: f64) -> Process {
 pub(super) fn settings() -> Settings {
     Settings {
         tool: Tool::Laser { strike: None },
+        share: Share::All,
         kerf_mm: 0.15,
         engrave: Some(process(3000.0, 0.1)),
         cut_inner: process(900.0, 0.8),
@@ -216,6 +217,15 @@ fn travel_goes_round_what_stands_on_the_bed() {
     assert!(toolpath.contours.iter().any(|c| !c.way.is_empty()) || !toolpath.home.is_empty());
     let blocked = Settings { keep_outs: vec![("clamp".into(), Rect::from_size(30.0, 30.0))], ..round };
     assert!(matches!(plan(&sheet(), 400.0, 400.0, &blocked), Err(Error::KeepOut { .. })));
+}
+
+#[test]
+fn two_tools_share_a_sheet_its_zero_and_its_crosses() {
+    let of = |share| plan(&sheet(), 400.0, 400.0, &with(|s| (s.share, s.crosses) = (share, true))).unwrap();
+    let (all, marks, cuts) = (of(Share::All), of(Share::Marks), of(Share::Cuts));
+    assert!(marks.crosses == all.crosses && cuts.crosses == all.crosses);
+    assert_eq!(marks.contours.len() + cuts.contours.len(), all.contours.len() + 4);
+    assert_eq!((marks.cut_mm(), cuts.length_mm(Operation::CutOutline)), (0.0, all.length_mm(Operation::CutOutline)));
 }
 
 #[test]

@@ -73,6 +73,17 @@ pub struct Strike {
     pub acceleration_mm_per_s2: f64,
 }
 
+/// What of the drawings is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Share {
+    /// Everything.
+    All,
+    /// Only what is engraved: another tool cuts.
+    Marks,
+    /// Only what is cut: another tool marks.
+    Cuts,
+}
+
 /// Uncut stretches that hold a piece in its sheet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bridges {
@@ -116,6 +127,8 @@ pub struct Frame {
 pub struct Settings {
     /// What cuts or draws.
     pub tool: Tool,
+    /// What of the drawings it makes.
+    pub share: Share,
     /// Full width the tool removes, mm; paths move by half of it.
     pub kerf_mm: f64,
     /// Marks and lettering; `None` where the tool cannot mark the material, and then nothing may be engraved.
@@ -152,6 +165,16 @@ pub struct Settings {
     pub keep_outs: Vec<(String, Rect)>,
     /// Where the tool starts and ends, mm in the work frame.
     pub park: P2,
+}
+
+impl Share {
+    pub(super) fn holds(self, operation: Operation) -> bool {
+        match self {
+            Share::All => true,
+            Share::Marks => operation == Operation::Engrave,
+            Share::Cuts => operation != Operation::Engrave,
+        }
+    }
 }
 
 impl Anchor {
