@@ -293,7 +293,7 @@ fn tell(made: &Made, out: &Path) -> Result<(), Failure> {
         output::line(&format!("! {}{place}", warning.message))?;
     }
     output::line(&format!(
-        "\nwrote {} files to {}: look at parts/ and sheets/*.png, then load sheets/*.nc into your sender.\nto change something: edit {d} and run  furbelow make {d}",
+        "\nwrote {} files to {}: look at parts/ and sheets/*.png, then load the programs in sheets/ into your sender.\nto change something: edit {d} and run  furbelow make {d}",
         made.files.len(),
         out.display(),
         d = quoted(&out.join("design.toml")),

@@ -7,6 +7,9 @@ use crate::geom::{P2, Rect};
 use crate::progress::Warning;
 use crate::{cut, fit, gcode, mesh, nest, sim, stream, strip};
 
+/// Least height of letters a pen writes so that they can be read, mm: its line is half a millimetre wide.
+const PEN_LABEL_MM: f64 = 5.0;
+
 /// Machine, material and how they go together.
 #[derive(Debug, Clone)]
 pub struct Setup {
@@ -133,13 +136,20 @@ impl Setup {
         self.pairing.engrave.as_ref().or(self.pairing.pen.as_ref())
     }
 
+    /// Height of lettering, mm; `None` where nothing can be lettered.
+    pub(super) fn label_mm(&self) -> Option<f64> {
+        let by_pen = self.machine.tool.class == ToolClass::Pen || self.pairing.pen.is_some();
+        let least = if by_pen { PEN_LABEL_MM } else { 0.0 };
+        self.marking().map(|_| self.profile.min_label_height_mm.max(least))
+    }
+
     /// How strips become pieces of at most `max_piece_mm`.
     pub fn strip(&self, max_piece_mm: f64) -> strip::Settings {
         strip::Settings {
             joint: self.joint(),
             max_piece_mm,
             splice_overlap_mm: self.profile.splice.lap_mm,
-            label_mm: self.marking().map(|_| self.profile.min_label_height_mm),
+            label_mm: self.label_mm(),
             grammage_g_per_m2: self.profile.grammage_g_per_m2,
         }
     }

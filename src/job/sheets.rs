@@ -109,9 +109,9 @@ fn shared(container: Container, sets: usize) -> Container {
 
 /// The name of a set on the margin, where no piece lies; `None` where the tool cannot letter or the margin is too narrow.
 fn lettered(name: &str, setup: &Setup) -> Option<Drawing> {
-    setup.marking()?;
-    let height_mm = (setup.nest().margin_mm - 2.0 * NAME_ROOM_MM).min(2.0 * setup.profile.min_label_height_mm);
-    if height_mm < setup.profile.min_label_height_mm {
+    let least_mm = setup.label_mm()?;
+    let height_mm = (setup.nest().margin_mm - 2.0 * NAME_ROOM_MM).min(2.0 * least_mm);
+    if height_mm < least_mm {
         return None;
     }
     let motion = Motion::new(V2::new(NAME_AT_MM, NAME_ROOM_MM), 0.0);

@@ -154,7 +154,7 @@ pub fn plan(drawings: &[Drawing], width_mm: f64, height_mm: f64, settings: &Sett
     let as_drawn = whole(order::as_drawn(&made.cuts, settings, &scrap));
     let mut contours = whole(order::arranged(&made.cuts, from, settings, &scrap));
     limits::check(&contours, &on_machine, settings)?;
-    let home = travel::route(&mut contours, &settings.keep_outs, settings.park)?;
+    let home = travel::route(&mut contours, &settings.keep_outs, &settings.work_area, settings.park)?;
     Ok(Toolpath {
         width_mm,
         height_mm,

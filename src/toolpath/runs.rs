@@ -36,8 +36,12 @@ pub(super) fn visits(cut: &Cut, settings: &Settings) -> Vec<Visit> {
     let passes = settings.process(cut.operation).map_or(1, |process| process.passes.len());
     let (Some(start), Some(end)) = (cut.path.start(), cut.path.end()) else { return Vec::new() };
     if !cut.path.closed {
-        // Two ends to the tip; an even number of passes ends where it began.
-        let (far, near) = if passes.is_multiple_of(2) { (start, end) } else { (end, start) };
+        // An even number of passes ends where it began, and what is cut from both its ends ends in its middle.
+        let (far, near) = match curve::at(&cut.path, 0.5 * cut.path.length()) {
+            Some((tip, _)) if is_cut_to_its_tip(cut, settings) => (tip, tip),
+            _ if passes.is_multiple_of(2) => (start, end),
+            _ => (end, start),
+        };
         let visit =
             |entry, exit, backward| Visit { entry, exit, way: Way::Open { backward }, back: usize::from(!backward) };
         return vec![visit(start, far, false), visit(end, near, true)];
@@ -82,7 +86,7 @@ pub(super) fn runs(cut: &Cut, way: Way, process: &Process, settings: &Settings, 
             air: process.air,
             way: Vec::new(),
         };
-        if number % 2 == 1 && !cut.path.closed {
+        if number % 2 == 1 && !cut.path.closed && !is_cut_to_its_tip(cut, settings) {
             runs.extend(paths.iter().rev().map(|path| run(path.reversed())));
         } else {
             runs.extend(paths.iter().cloned().map(run));
@@ -93,9 +97,8 @@ pub(super) fn runs(cut: &Cut, way: Way, process: &Process, settings: &Settings, 
 
 fn paths(cut: &Cut, way: Way, process: &Process, settings: &Settings, scrap: &Scrap) -> Vec<Path> {
     let total = cut.path.length();
-    let blade_mm = settings.blade_mm();
-    if blade_mm > 0.0 && cut.role == Role::Flap && !cut.path.closed {
-        return to_the_tip(cut, way, blade_mm, settings.overcut_mm);
+    if is_cut_to_its_tip(cut, settings) {
+        return to_the_tip(cut, way, settings.blade_mm(), settings.overcut_mm);
     }
     if way_is_whole(cut, way) && process.dashes.is_none() {
         let Way::Corner(first) = way else {
@@ -137,6 +140,11 @@ fn paths(cut: &Cut, way: Way, process: &Process, settings: &Settings, scrap: &Sc
 
 fn way_is_whole(cut: &Cut, way: Way) -> bool {
     cut.gaps.is_empty() && !matches!(way, Way::Stretch(_))
+}
+
+/// True for the open cut of a flap made by a blade.
+fn is_cut_to_its_tip(cut: &Cut, settings: &Settings) -> bool {
+    settings.blade_mm() > 0.0 && cut.role == Role::Flap && !cut.path.closed
 }
 
 /// A blade would tear the hinge if it turned there: it comes down its own trail away from both ends of the cut, and runs from each to the tip.
@@ -243,6 +251,10 @@ mod tests {
         let settings = Settings { tool: Tool::Knife { offset_mm: 0.25 }, overcut_mm: 0.5, ..settings() };
         let flap =
             cut(Path::open([(0.0, 0.0), (0.0, 8.0), (6.0, 8.0), (6.0, 0.0)].map(|(x, y)| P2::new(x, y))), Role::Flap);
+        let mut twice = settings.clone();
+        twice.cut_inner.passes.push(twice.cut_inner.passes[0]);
+        let runs = made(&flap, Way::Open { backward: false }, &twice);
+        assert!(runs.len() == 4 && runs[2] == runs[0] && runs[3] == runs[1], "the second pass too");
         let runs = made(&flap, Way::Open { backward: false }, &settings);
         assert_eq!(runs.len(), 2);
         assert!((runs[0].path.start().unwrap() - P2::new(0.0, 0.25)).norm() < 1e-9);

@@ -9,11 +9,16 @@ use crate::geom::{P2, Rect, V2, tolerance};
 /// Ways go round a corner at this distance, mm: more than the rounding of G-code, less than anyone would notice.
 const ROUND_MM: f64 = 0.05;
 
-/// Leads every run's way, and the way home, round the keep-outs. Gives the corners of the way home.
+/// Leads every run's way, and the way home, round the keep-outs without leaving `area`. Gives the corners of the way home.
 ///
 /// # Errors
 /// No way leads there, or a run itself crosses a keep-out.
-pub(super) fn route(contours: &mut [Contour], keep_outs: &[(String, Rect)], park: P2) -> Result<Vec<P2>, Error> {
+pub(super) fn route(
+    contours: &mut [Contour],
+    keep_outs: &[(String, Rect)],
+    area: &Rect,
+    park: P2,
+) -> Result<Vec<P2>, Error> {
     if keep_outs.is_empty() {
         return Ok(Vec::new());
     }
@@ -29,11 +34,11 @@ pub(super) fn route(contours: &mut [Contour], keep_outs: &[(String, Rect)], park
             return Err(refused(name));
         }
         let (Some(start), Some(end)) = (contour.path.start(), contour.path.end()) else { continue };
-        let way = way(at, start, keep_outs).ok_or_else(|| refused(&keep_outs[0].0))?;
+        let way = way(at, start, keep_outs, area).ok_or_else(|| refused(&keep_outs[0].0))?;
         contour.way = way;
         at = end;
     }
-    way(at, park, keep_outs).ok_or_else(|| Error::NoWayHome { keep_out: keep_outs[0].0.clone() })
+    way(at, park, keep_outs, area).ok_or_else(|| Error::NoWayHome { keep_out: keep_outs[0].0.clone() })
 }
 
 /// Length of the way from `park` through all runs back to `park` outside them, mm.
@@ -60,7 +65,7 @@ fn runs_into(contour: &Contour, rect: &Rect) -> bool {
 }
 
 /// Corners of the shortest way that crosses no keep-out; none when it is straight. `None` when there is no way.
-fn way(from: P2, to: P2, keep_outs: &[(String, Rect)]) -> Option<Vec<P2>> {
+fn way(from: P2, to: P2, keep_outs: &[(String, Rect)], area: &Rect) -> Option<Vec<P2>> {
     let free = |a: P2, b: P2| !keep_outs.iter().any(|(_, rect)| crosses(a, b, rect));
     if free(from, to) {
         return Some(Vec::new());
@@ -69,7 +74,8 @@ fn way(from: P2, to: P2, keep_outs: &[(String, Rect)]) -> Option<Vec<P2>> {
         let Rect { min, max } = rect.grown(ROUND_MM);
         [min, P2::new(max.x, min.y), max, P2::new(min.x, max.y)]
     });
-    let nodes: Vec<P2> = [from, to].into_iter().chain(corners).collect();
+    let inside = corners.filter(|p| area.holds(&Rect::EMPTY.with(*p), 0.0));
+    let nodes: Vec<P2> = [from, to].into_iter().chain(inside).collect();
     let mut reached = vec![(f64::INFINITY, 0_usize); nodes.len()];
     let mut done = vec![false; nodes.len()];
     reached[0].0 = 0.0;
@@ -124,6 +130,8 @@ mod tests {
     use crate::geom::Path;
     use proptest::prelude::*;
 
+    const BED: Rect = Rect { min: P2::new(-50.0, -50.0), max: P2::new(450.0, 450.0) };
+
     fn magnet(x: f64, y: f64) -> (String, Rect) {
         ("magnet".into(), Rect { min: P2::new(x, y), max: P2::new(x + 20.0, y + 20.0) })
     }
@@ -131,16 +139,24 @@ mod tests {
     #[test]
     fn a_way_goes_round_the_nearer_side_of_a_clamp() {
         let mut runs = [contour(Path::open([P2::new(60.0, 8.0), P2::new(60.0, 40.0)]), Role::Slit)];
-        let home = route(&mut runs, &[magnet(30.0, 0.0)], P2::new(0.0, 8.0)).unwrap();
+        let home = route(&mut runs, &[magnet(30.0, 0.0)], &BED, P2::new(0.0, 8.0)).unwrap();
         assert_eq!(runs[0].way.len(), 2);
         assert!(runs[0].way.iter().all(|p| p.y < 0.0), "below is nearer: {:?}", runs[0].way);
         assert!(home.is_empty(), "from up there the way home is free");
     }
 
     #[test]
+    fn a_way_round_never_leaves_the_bed() {
+        let mut runs = [contour(Path::open([P2::new(60.0, 8.0), P2::new(60.0, 40.0)]), Role::Slit)];
+        let bed = Rect::from_size(400.0, 400.0);
+        route(&mut runs, &[magnet(30.0, 0.0)], &bed, P2::new(0.0, 8.0)).unwrap();
+        assert!(runs[0].way.iter().all(|p| p.y > 20.0), "there is no room below: {:?}", runs[0].way);
+    }
+
+    #[test]
     fn a_cut_through_a_clamp_is_refused_with_both_names() {
         let mut runs = [contour(Path::circle(P2::new(40.0, 30.0), 15.0), Role::Hole)];
-        let error = route(&mut runs, &[magnet(30.0, 0.0)], P2::origin()).unwrap_err().to_string();
+        let error = route(&mut runs, &[magnet(30.0, 0.0)], &BED, P2::origin()).unwrap_err().to_string();
         assert!(error.contains("A1") && error.contains("magnet"), "{error}");
     }
 
@@ -158,7 +174,7 @@ mod tests {
                 .filter(|p| !inside(p) && !inside(&(p + V2::new(0.01, 0.0))))
                 .map(|p| contour(Path::open([p, p + V2::new(0.01, 0.0)]), Role::Mark))
                 .collect();
-            if let Ok(home) = route(&mut runs, &keep_outs, P2::origin()) {
+            if let Ok(home) = route(&mut runs, &keep_outs, &BED, P2::origin()) {
                 let mut at = P2::origin();
                 let stops = runs.iter().flat_map(|r| r.way.iter().copied().chain(r.path.start()).chain(r.path.end()));
                 for p in stops.chain(home).chain([P2::origin()]) {
