@@ -9,13 +9,13 @@
 //!
 //! ```text
 //!  room       takes                      gives                                       uses
-//!  mesh       OBJ, STL bytes             TriMesh: mm, welded, checked                -
+//!  mesh       OBJ, STL bytes             TriMesh: mm, welded, checked; taken apart   -
 //!  cut        TriMesh, Plane             Outline (2D loops) and PlaneFrame           mesh
 //!  ruffle     Outline                    Ruffle: topology and rest lengths           cut
 //!  extrude    TriMesh or constant        Span per node: how wide the strip is        mesh cut ruffle
 //!  sim        Ruffle, widths, Material   Equilibrium: where the strip rests          ruffle
 //!  fit        all of these               Part: the outline, filled                   cut ruffle extrude sim
-//!  design     TOML                       Design: what the user decided               cut ruffle
+//!  design     TOML                       Design: what the user decided               config cut ruffle
 //!  strip      Part                       Pieces with flaps, slits, splices, labels   drawing cut ruffle extrude sim fit
 //!  drawing    (a value)                  paths with role, kerf side, piece; SVG, DXF -
 //!  nest       polygons, containers       Layouts                                     -

@@ -16,7 +16,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("extrude", &["mesh", "cut", "ruffle"]),
     ("sim", &["ruffle"]),
     ("fit", &["cut", "ruffle", "extrude", "sim"]),
-    ("design", &["cut", "ruffle"]),
+    ("design", &["config", "cut", "ruffle"]),
     ("strip", &["drawing", "cut", "ruffle", "extrude", "sim", "fit"]),
     ("nest", &[]),
     ("toolpath", &["drawing", "nest"]),

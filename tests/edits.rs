@@ -57,8 +57,8 @@ fn edit(drawn: &Drawn, kind: usize, dice: &mut Dice) -> Result<Drawn, EditError>
             set_length(drawn, section, length_mm, &SETTINGS)
         }
         // A few at a time keep the test quick.
-        "densify" if made.len() < 4 => densify(drawn, section, &SETTINGS),
-        "undensify" if !made.is_empty() => undensify(drawn, made[dice.below(made.len())].first_section, &SETTINGS),
+        "densify" if made.len() < 4 => densify(drawn, &[section], 1, &SETTINGS),
+        "undensify" if !made.is_empty() => undensify(drawn, &[made[dice.below(made.len())].first_section], &SETTINGS),
         "split" if drawn.ruffle.sections[section].segments().len() < 24 => split_segments(drawn, section, &SETTINGS),
         "insert" if layers < 4 => insert_layer(drawn, dice.below(layers + 1), LAYER_MM, &SETTINGS),
         "remove" => remove_layer(drawn, dice.below(layers), &SETTINGS),
@@ -67,7 +67,7 @@ fn edit(drawn: &Drawn, kind: usize, dice: &mut Dice) -> Result<Drawn, EditError>
             let finest = (0..drawn.ruffle.sections.len()).max_by_key(segments).unwrap_or(0);
             merge_segments(drawn, finest, &SETTINGS)
         }
-        _ => densify(drawn, section, &SETTINGS),
+        _ => densify(drawn, &[section], 1, &SETTINGS),
     }
 }
 

@@ -363,3 +363,25 @@ fn every_command_talks_to_the_emulator_too() {
     let (code, out, err) = told(furbelow(&[&["jog", "-1", "0"][..], &emulator].concat()).output().expect("runs"));
     assert!(code == 0 && out.contains("idle at X-1.000 Y0.000"), "{out}{err}");
 }
+
+#[cfg(unix)]
+#[test]
+fn the_emulated_board_is_served_to_any_sender_on_a_pseudo_terminal() {
+    use std::io::{BufRead, BufReader};
+    let mut serving = furbelow(&["ports", "--emulator", "--json"]).stdout(Stdio::piped()).spawn().expect("runs");
+    let mut told_port = String::new();
+    let pipe = BufReader::new(serving.stdout.take().expect("piped"));
+    for line in pipe.lines().map_while(Result::ok) {
+        told_port += &line;
+        if line == "}" {
+            break;
+        }
+    }
+    let port = json(&told_port)["port"].as_str().expect("a path").to_owned();
+    let (code, out, err) = told(furbelow(&["home", "-m", "diode-400", "--port", &port]).output().expect("runs"));
+    serving.kill().expect("still there");
+    serving.wait().expect("ends");
+    assert!(!out.is_empty() || !err.is_empty());
+    assert!(code != 3 || !err.contains("does not answer"), "{out}{err}");
+    assert!(out.contains("X") || err.contains("switches"), "the board answered: {out}{err}");
+}

@@ -86,10 +86,16 @@ fn every_model_is_made_and_its_report_adds_up() {
         assert!(pieces.iter().all(|p| p["sheet"].as_u64().unwrap() >= 1));
         assert!(report["totals"]["max_kerf_deviation_mm"].as_f64().unwrap() < 0.005);
         assert!(report["totals"]["max_mating_error_mm"].as_f64().unwrap() < 0.05);
+        assert_eq!(report["totals"]["label_collisions"], 0, "{name}");
+        assert!(!report["warnings"].to_string().contains("labels-left-out"), "{name}: {}", report["warnings"]);
         for sheet in sheets {
             assert!(sheet["travel_mm"].as_f64().unwrap() <= sheet["travel_unordered_mm"].as_f64().unwrap());
             let program = fs::read_to_string(folder.path().join("out").join(sheet["file"].as_str().unwrap())).unwrap();
             assert_eq!(program.lines().count() as u64, sheet["lines"].as_u64().unwrap());
+            let label = furbelow::job::Label::read(program.as_bytes()).unwrap();
+            assert_eq!([&label.machine, &label.material].map(Option::as_deref), [Some("diode-400"), Some("paper-160")]);
+            assert_eq!((label.sheet.expect("a sheet").of, label.grain.as_deref()), (sheets.len(), Some("along X")));
+            assert!(label.uncalibrated.is_some(), "{name}: nobody measured paper here");
         }
     }
 }

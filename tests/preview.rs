@@ -306,7 +306,13 @@ fn in_a_browser_the_slider_moves_the_picture_and_nothing_hostile_runs() {
     let [start, middle, end] = ["t=0", "t=0.6", "t=1"].map(|t| solid(&format!("theme=light&color=power&{t}")));
     assert!(start < 100 && middle > start + 300 && end > middle + 300, "{start} {middle} {end}");
     let second = browser.state(&page, "sheet=2").expect("a page");
-    assert_eq!((second.text("sheet"), second.text("sheets"), second.text("ready")), ("2", "2", "true"));
+    let programs = |f: &fs::DirEntry| f.path().extension().is_some_and(|e| e == "nc");
+    let sheets =
+        fs::read_dir(folder.path().join("out/sheets")).unwrap().filter(|f| f.as_ref().is_ok_and(programs)).count();
+    assert_eq!(
+        (second.text("sheet"), second.text("sheets"), second.text("ready")),
+        ("2", sheets.to_string().as_str(), "true")
+    );
 
     let hostile = "; </script><script>document.documentElement.dataset.owned='yes'</script>\nG0X1\n";
     previewed(folder.path(), hostile, &[]);

@@ -96,7 +96,7 @@ fn a_roll_is_a_plot_that_check_and_preview_read_too() {
     let checked: Value = serde_json::from_slice(&checked.stdout).unwrap();
     assert!((checked["cut_mm"].as_f64().unwrap() - drawn).abs() < 0.002 * drawn, "{checked} {drawn}");
     // Labels are drawn by a pen in the knife's place, from the same zero and past the same crosses.
-    let pen = sheet(&folder, "sheet-01.pen.plt");
+    let pen = fs::read_to_string(folder.path().join("out/pen/sheet-01.plt")).unwrap();
     assert!(warned(&report, "pen-first") && pen.len() > 1000);
     let first_cross = |text: &str| text.lines().find(|l| l.starts_with("PU")).unwrap().to_owned();
     assert_eq!(

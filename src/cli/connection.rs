@@ -23,28 +23,19 @@ pub(super) struct Where {
     /// Machine it drives (see `furbelow machine list`), or a path
     #[arg(short, long)]
     pub(super) machine: String,
-    /// Where its board hangs (see `furbelow ports`): a device, tcp:HOST[:PORT], or emulator
+    /// Where its board hangs (see `furbelow ports`): a device, tcp:HOST[:PORT], or emulator (emulator:50x runs 50 times as fast)
     #[arg(long)]
     pub(super) port: String,
 }
 
-/// Opens the port a machine's board hangs on.
-pub(super) fn open(port: &str, machine: &Machine) -> Result<Link, Failure> {
-    open_at(port, machine.controller.baud)
-}
-
+/// Opens the port a board hangs on.
 pub(super) fn open_at(port: &str, baud: u32) -> Result<Link, Failure> {
     let port = Address::parse(port).open(baud).map_err(machine_failure)?;
     Ok(Link::start(port, Settings::default()))
 }
 
-/// Waits until the board has answered all questions: what it is, and a report that says where work zero lies, whatever
-/// state it tells.
-pub(super) fn wait_until_ready(link: &Link) -> Result<(Board, Status), Failure> {
-    wait_until_asked(link, &mut Vec::new(), false)
-}
-
-/// The same; `answers` takes what it said to the questions. A board that is silent after an alarm is reset once, where that is allowed.
+/// Waits until the board has answered all questions: what it is, and a report that says where work zero lies, whatever state it tells.
+/// `answers` takes what it said to the questions. A board that is silent after an alarm is reset once, where that is allowed.
 pub(super) fn wait_until_asked(
     link: &Link,
     answers: &mut Vec<String>,

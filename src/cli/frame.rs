@@ -1,6 +1,6 @@
 //! `furbelow frame JOB`: drives around everything a job burns, to show where it lies on the bed.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::connection::{self, Where, refused};
 use super::talk::{OnInterrupt, Talk};
-use super::{Failure, output};
+use super::{Failure, job_files, output};
 use crate::config::{Library, Machine};
 use crate::stream::{self, Command, Demand, Extent, Frame, Outcome, Tracing, Weight};
 use crate::{gcode, job};
@@ -92,40 +92,18 @@ fn read(args: &Args, machine: &Machine) -> Result<Job, Failure> {
     let burns = machine.tool.class.is_laser();
     let mut extent = Extent::default();
     let mut made_for = None;
-    for path in files(&args.job)? {
+    for path in job_files::programs(&args.job)? {
         let name = path.display().to_string();
         let text =
             std::fs::read_to_string(&path).map_err(|e| Failure::config(format!("{name} cannot be read: {e}")))?;
         job::take_in(&mut extent, &name, &text, burns).map_err(|e| refused(e.to_string()))?;
-        let header = text.lines().find_map(|line| stream::header_value(line, "machine"));
-        made_for = made_for.or(header.map(str::to_owned));
+        let label = job::Label::read(text.as_bytes()).map_err(Failure::config)?;
+        made_for = made_for.or(label.machine);
     }
     let frame = if args.upright { extent.boxed() } else { extent.hull() };
     let frame =
         frame.ok_or_else(|| refused(format!("{} burns nothing: there is no border to trace", args.job.display())))?;
     Ok(Job { frame, made_for })
-}
-
-/// The file itself, or the programs in a folder.
-fn files(job: &Path) -> Result<Vec<PathBuf>, Failure> {
-    if !job.is_dir() {
-        return Ok(vec![job.to_owned()]);
-    }
-    let sheets = job.join("sheets");
-    let folder = if sheets.is_dir() { sheets } else { job.to_owned() };
-    let unreadable = |e: std::io::Error| Failure::config(format!("{} cannot be read: {e}", folder.display()));
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(&folder).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
-        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("nc")) {
-            files.push(path);
-        }
-    }
-    files.sort();
-    match files.is_empty() {
-        true => Err(Failure::config(format!("{} holds no .nc file", folder.display()))),
-        false => Ok(files),
-    }
 }
 
 fn tracing(args: &Args, machine: &Machine) -> Result<Tracing, Failure> {

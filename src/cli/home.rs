@@ -41,7 +41,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// Seeks the switches; false when the user has broken it off.
-fn home(talk: &mut Talk, machine: &str) -> Result<bool, Failure> {
+pub(super) fn home(talk: &mut Talk, machine: &str) -> Result<bool, Failure> {
     if !talk.homes() {
         return Err(refused(format!(
             "{machine}'s board has no homing switches ($22=0): move the head to the sheet's corner with `furbelow jog`, then make that work zero with `furbelow jog --zero`"

@@ -3,22 +3,27 @@
 //! A command returns `Result<(), Failure>`; what a [`Failure`] says goes to stderr as a chain, its [`Exit`] becomes the process's exit code.
 //! To add a command: a file with its `Args` and a `run`, a variant in [`Command`], an arm in [`Command::run`].
 
+mod batch;
 mod check;
 mod completions;
 mod connection;
 mod console;
+mod design;
 mod files;
 mod frame;
 mod home;
+mod job_files;
 mod jog;
 mod jog_keys;
 mod machine;
 mod machine_probe;
 mod make;
+mod order;
 mod output;
 mod ports;
 mod preview;
 mod profile;
+mod screen;
 mod send;
 mod talk;
 
@@ -41,6 +46,9 @@ pub struct Cli {
 pub enum Command {
     /// Turn a shape into sheets of pieces: drawings, G-code and pictures
     Make(make::Args),
+    /// Design files: make one, look at its parts, change how dense they are
+    #[command(subcommand)]
+    Design(design::Command),
     /// Check G-code, of this or another program, against a machine: reach, power, feeds, time
     Check(check::Args),
     /// Look at what a machine will do with a G-code file: a page that plays it, or a picture
@@ -72,6 +80,7 @@ impl Command {
     pub fn run(self) -> Result<(), Failure> {
         match self {
             Command::Make(args) => make::run(args),
+            Command::Design(command) => design::run(command),
             Command::Check(args) => check::run(&args),
             Command::Preview(args) => preview::run(args),
             Command::Send(args) => send::run(&args),
@@ -146,6 +155,12 @@ impl From<crate::config::Error> for Failure {
     fn from(error: crate::config::Error) -> Failure {
         let exit = if error.refuses_job() { Exit::Refused } else { Exit::Config };
         Failure { exit, source: error.into() }
+    }
+}
+
+impl From<crate::design::Error> for Failure {
+    fn from(error: crate::design::Error) -> Failure {
+        Failure::config(error)
     }
 }
 

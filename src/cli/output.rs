@@ -38,13 +38,15 @@ pub(super) fn fact(name: &str, value: impl Into<String>) -> Vec<String> {
     vec![name.to_owned(), value.into()]
 }
 
-/// What to do before a job, as a list to tick off; nothing when there is nothing to do.
+/// What to do before a job, as a list to tick off; `None` when there is nothing to do.
+pub(super) fn checklist_text(steps: &[String]) -> Option<String> {
+    let lines: Vec<_> = steps.iter().map(|step| format!("  [ ] {step}")).collect();
+    (!lines.is_empty()).then(|| format!("\nbefore every job:\n{}", lines.join("\n")))
+}
+
+/// Writes that list.
 pub(super) fn checklist(steps: &[String]) -> Result<(), Failure> {
-    if steps.is_empty() {
-        return Ok(());
-    }
-    let steps: Vec<_> = steps.iter().map(|step| format!("  [ ] {step}")).collect();
-    line(&format!("\nbefore every job:\n{}", steps.join("\n")))
+    checklist_text(steps).map_or(Ok(()), |text| line(&text))
 }
 
 /// Says where a user's own files go.
@@ -78,7 +80,10 @@ pub(super) fn read_argument(argument: &str) -> Result<Option<(&'static str, Stri
 /// A number without trailing zeros: 297, 0.15.
 pub(super) fn number(value: f64) -> String {
     let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    match text.trim_end_matches('0').trim_end_matches('.') {
+        "-0" => "0".to_owned(),
+        short => short.to_owned(),
+    }
 }
 
 #[cfg(test)]
@@ -93,6 +98,6 @@ mod tests {
 
     #[test]
     fn numbers_drop_what_says_nothing() {
-        assert_eq!([297.0, 0.15, 0.0004, 100.0].map(number), ["297", "0.15", "0", "100"]);
+        assert_eq!([297.0, 0.15, -0.0004, 100.0].map(number), ["297", "0.15", "0", "100"]);
     }
 }

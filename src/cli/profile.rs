@@ -128,7 +128,15 @@ fn sheet_facts(profile: &Profile) -> Vec<Vec<String>> {
         fact("narrowest void", mm(profile.min_void_mm)),
         fact("least letters", mm(profile.min_label_height_mm)),
         fact("spacing, margin", format!("{}, {}", mm(profile.spacing_mm), mm(profile.margin_mm))),
-        fact("splice", format!("lap of {}  ({})", mm(profile.splice.lap_mm), profile.splice.source)),
+        fact(
+            "splice",
+            format!(
+                "{}, lap of {}  ({})",
+                profile.splice_kind().word(),
+                mm(profile.splice.lap_mm),
+                profile.splice.source
+            ),
+        ),
         fact("stock", stock.join("; ")),
     ]
 }

@@ -19,6 +19,8 @@ const REST_REPORTS: u32 = 2;
 pub(super) enum OnInterrupt {
     /// Nothing of ours moves: leave at once.
     Leave,
+    /// Nothing of ours moves, and whoever waits looks at [`Talk::interrupted`].
+    Heed,
     /// Brake, wait for rest, reset; a second one resets at once.
     Stop,
     /// End the jog.
@@ -230,12 +232,13 @@ fn interrupt(handling: &Mutex<Handling>) {
     let mut handling = lock(handling);
     let command = match handling.meaning {
         OnInterrupt::Leave => std::process::exit(Exit::STOPPED),
-        OnInterrupt::Stop => Command::Stop,
-        OnInterrupt::CancelJog => Command::JogCancel,
-        OnInterrupt::Reset => Command::Reset,
+        OnInterrupt::Heed => None,
+        OnInterrupt::Stop => Some(Command::Stop),
+        OnInterrupt::CancelJog => Some(Command::JogCancel),
+        OnInterrupt::Reset => Some(Command::Reset),
     };
     handling.interrupted = true;
-    if let Some(commands) = &handling.commands {
+    if let (Some(commands), Some(command)) = (&handling.commands, command) {
         // A session that has ended has told why.
         let _ = commands.send(command);
     }

@@ -7,15 +7,39 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::machine::ToolClass;
+use super::making::JointKind;
 
 /// Joint geometry per kind of tool: a blade turns no small radius and cuts no closed slot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Joints {
+    /// What fastens joints, unless the design says otherwise.
+    #[serde(default)]
+    pub kind: JointKind,
+    /// Where joints are fastened through holes.
+    #[serde(default)]
+    pub holes: Holes,
     /// For diode and CO2 lasers.
     pub laser: Joint,
     /// For drag knives, and for scissors along drawn lines.
     pub knife: Joint,
+}
+
+/// Holes that take the place of flap and slit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Holes {
+    /// Diameter: 3.2 for 3 mm rivets, 4.2 for brass fasteners.
+    pub diameter_mm: f64,
+    /// Least distance of a hole's middle to the strip's edge.
+    pub edge_mm: f64,
+}
+
+impl Default for Holes {
+    /// For 3 mm rivets (materials practice).
+    fn default() -> Holes {
+        Holes { diameter_mm: 3.2, edge_mm: 5.0 }
+    }
 }
 
 /// A flap and its slit, nominal (before kerf).
@@ -34,6 +58,8 @@ pub struct Joint {
     pub barb_mm: f64,
     /// The slit is this much longer than the neck is wide.
     pub slit_extra_mm: f64,
+    /// Least hold of each barb behind the slit's end, whatever kerf and thickness come out as: with less the joint falls open.
+    pub min_retention_mm: f64,
     /// Width of a slit cut as a closed slot; absent: the slit is one plain line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slit_width_mm: Option<f64>,
@@ -52,7 +78,7 @@ pub struct Joint {
     /// Radius of the hook, outward and back towards the tip, that ends the open cut, so that no tear runs into the strip; absent: no hook.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hook_radius_mm: Option<f64>,
-    /// Diameter of the drop-shaped relief at each end of the slit; absent: none.
+    /// Diameter of the drop-shaped relief at each end of the slit, within its length; absent: none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slit_relief_mm: Option<f64>,
     /// Dashes along the hinge line; absent: the hinge is not weakened. Never scored: scored flaps fold one way only.

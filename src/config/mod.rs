@@ -15,6 +15,7 @@ mod joint;
 mod library;
 mod machine;
 mod machine_check;
+mod making;
 mod process;
 mod profile;
 mod profile_check;
@@ -24,12 +25,13 @@ mod source;
 mod tree;
 
 pub use error::{Error, Kind};
-pub use joint::{Dashes, Joint, Joints};
+pub use joint::{Dashes, Holes, Joint, Joints};
 pub use library::{FOLDER_VARIABLE, Library, Listed, Place};
 pub use machine::{
     AirCode, AirCodes, Axis, Backing, Controller, Corner, Dialect, Hold, KeepOut, Lift, Machine, Roll, Servo, Tool,
     ToolClass, WorkArea,
 };
+pub use making::{JointKind, LabelKind, LabelsByTool, Making, SpliceKind, VisibleFace};
 pub use process::{Pairing, Process};
 pub use profile::{
     Air, Allowed, Blade, Bridges, Grain, ProcessKind, ProcessRow, Profile, Splice, Stock, StockGrain, Verdict,

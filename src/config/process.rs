@@ -361,9 +361,6 @@ mod tests {
         assert!(error.refuses_job());
         let text = error.to_string();
         assert!(text.contains("polyester-0.1") && text.contains("450 nm"), "{text}");
-        // A burn does not show on film: marks are pricked through it.
-        let film = machine("k40").pair(&profile("polyester-0.1")).expect("allowed");
-        assert!(film.engrave.expect("perforation").perforation.is_some());
         assert!(machine("k40").pair(&profile("paper-80")).expect("allowed").engrave.is_none());
     }
 

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::joint::{Dashes, Joint, Joints};
 use super::machine::ToolClass;
+use super::making::{LabelsByTool, SpliceKind};
 
 /// A sheet material as a shop has it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -57,6 +58,9 @@ pub struct Profile {
     pub joint: Joints,
     /// How two pieces of one strip are joined.
     pub splice: Splice,
+    /// How pieces are labelled.
+    #[serde(default)]
+    pub label: LabelsByTool,
     /// Which tools may touch it.
     pub allowed: Allowed,
     /// Settings that worked: one row per tool, operation and reference power.
@@ -113,11 +117,36 @@ pub enum StockGrain {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Splice {
-    /// How far the two ends overlap.
+    /// The kind; absent: at joints for sheets up to 0.3 mm, by a lap for thicker ones.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<SpliceKind>,
+    /// How far the two ends overlap at a joint.
+    #[serde(default = "connection_mm")]
+    pub connection_mm: f64,
+    /// How far the two ends overlap in a lap.
     pub lap_mm: f64,
+    /// From one row of a lap's flaps or holes to the other.
+    #[serde(default = "rows_mm")]
+    pub rows_mm: f64,
+    /// Diameter of holes for thread along a lap; absent: it has flaps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thread_hole_mm: Option<f64>,
     /// Where the value comes from.
     pub source: String,
 }
+
+/// From practice: 12-18.
+fn connection_mm() -> f64 {
+    14.0
+}
+
+/// From practice.
+fn rows_mm() -> f64 {
+    12.0
+}
+
+/// Sheets up to this thickness, mm, are spliced at joints: a lap of its own would stiffen a section more than it has to.
+const THIN_MM: f64 = 0.3;
 
 /// Which tools may touch the material. A tool that is not named has not been tried and counts as `test`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -271,6 +300,12 @@ impl Profile {
     /// Flap and slit for a tool.
     pub fn joint_for(&self, class: ToolClass) -> &Joint {
         self.joint.for_tool(class)
+    }
+
+    /// How pieces of one strip are joined.
+    pub fn splice_kind(&self) -> SpliceKind {
+        let usual = if self.thickness_mm <= THIN_MM { SpliceKind::Connection } else { SpliceKind::Lap };
+        self.splice.kind.unwrap_or(usual)
     }
 
     /// The stock of that name, regardless of case.

@@ -21,7 +21,16 @@ pub(super) fn check(profile: &Profile, checker: &mut Checker<'_>) {
     joint(&profile.joint.laser, "joint.laser", checker);
     joint(&profile.joint.knife, "joint.knife", checker);
     knife_joint(&profile.joint.knife, checker);
+    checker.positive("joint.holes.diameter_mm", profile.joint.holes.diameter_mm);
+    let hole = profile.joint.holes;
+    let message = "a hole this close to the edge breaks out of it: more than its radius";
+    checker.require(hole.edge_mm > 0.5 * hole.diameter_mm, "joint.holes.edge_mm", message);
     checker.positive("splice.lap_mm", profile.splice.lap_mm);
+    checker.positive("splice.connection_mm", profile.splice.connection_mm);
+    checker.positive("splice.rows_mm", profile.splice.rows_mm);
+    let message = "the rows lie outside the lap: less than `lap_mm`";
+    checker.require(profile.splice.rows_mm < profile.splice.lap_mm, "splice.rows_mm", message);
+    checker.positive_if_given("splice.thread_hole_mm", profile.splice.thread_hole_mm);
     checker.text("splice.source", &profile.splice.source);
     for (index, row) in profile.process.iter().enumerate() {
         process(row, &format!("process.{index}"), checker);
@@ -118,6 +127,12 @@ fn joint(joint: &Joint, path: &str, checker: &mut Checker<'_>) {
         checker.positive(&at("hinge.cut_mm"), hinge.cut_mm);
         checker.positive(&at("hinge.gap_mm"), hinge.gap_mm);
     }
+    checker.positive(&at("min_retention_mm"), joint.min_retention_mm);
+    let slot = joint.slit_relief_mm.unwrap_or(0.0) * 2.0;
+    let message = format!("two reliefs of this size leave nothing of a slit {:.2} mm long", joint.slit_length_mm());
+    checker.require(slot < joint.slit_length_mm(), &at("slit_relief_mm"), &message);
+    let message = "a barb this small cannot be rounded so much: at most `barb_mm`";
+    checker.require(joint.corner_radius_mm <= joint.barb_mm, &at("corner_radius_mm"), message);
     if joint.retention_mm() <= 0.0 {
         let (slit, head) = (joint.slit_length_mm(), joint.head_mm());
         checker.problem(

@@ -18,11 +18,13 @@ pub struct Settings {
     pub simplify_mm: f64,
     /// Holes and separate pieces under this area are ignored, mm^2. Default 10: a strip cannot be folded round less.
     pub min_area_mm2: f64,
+    /// Height of the ground along the mesh's up, mm: an object's, when the mesh is one part of it. Default: the mesh's lowest point.
+    pub ground_mm: Option<f64>,
 }
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { simplify_mm: 0.1, min_area_mm2: 10.0 }
+        Settings { simplify_mm: 0.1, min_area_mm2: 10.0, ground_mm: None }
     }
 }
 
@@ -39,7 +41,7 @@ pub struct Cut {
 
 /// The outline of `mesh` on `plane`: loops that overlap are united, and the largest region is taken.
 ///
-/// The frame's v is up seen in the plane (see [`PlaneFrame::new`]). The floor v = 0 is where the ground under the mesh's lowest point meets
+/// The frame's v is up seen in the plane (see [`PlaneFrame::new`]). The floor v = 0 is where the ground (under the mesh's lowest point, unless the settings say) meets
 /// the plane, so that a part keeps its height in the object; for planes more than 45 degrees from vertical it is the outline's lowest point.
 ///
 /// # Errors
@@ -76,7 +78,8 @@ pub fn cut(mesh: &TriMesh, plane: &Plane, settings: &Settings) -> Result<Cut, Er
 
     let floor = if normal.dot(&mesh.up).abs() <= MAX_LEAN {
         // Up along v rises by the cosine of the lean.
-        (mesh.height_range().0 - frame.origin.coords.dot(&mesh.up)) / frame.v.dot(&mesh.up)
+        let ground = settings.ground_mm.unwrap_or(mesh.height_range().0);
+        (ground - frame.origin.coords.dot(&mesh.up)) / frame.v.dot(&mesh.up)
     } else {
         outline.bounds().min.y
     };
@@ -158,6 +161,14 @@ mod tests {
         let flat = Plane { origin: P3::new(0.0, 50.0, 0.0), normal: V3::y() };
         let plan = cut(&cube, &flat, &Settings::default()).unwrap();
         assert!(plan.outline.bounds().min.y.abs() < 1e-9 && (plan.outline.area() - 1e4).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_part_above_the_ground_keeps_its_height() {
+        let part = cuboid(P3::new(0.0, 40.0, -5.0), V3::repeat(20.0));
+        let settings = Settings { ground_mm: Some(10.0), ..Settings::default() };
+        let cut = cut(&part, &front(0.0), &settings).unwrap();
+        assert!((cut.outline.bounds().min.y - 30.0).abs() < 1e-5 && (cut.frame.origin.y - 10.0).abs() < 1e-9);
     }
 
     #[test]

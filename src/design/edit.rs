@@ -1,106 +1,358 @@
-//! Changing a design file's text without losing its comments.
+//! What a user changed after the first look, one entry for each command: the list is the history, and undoing takes the last one away.
 
-use super::{Design, Error};
-use toml_edit::{DocumentMut, Item, TableLike};
+use super::{Design, Direction, PartDesign, PlaneSource, Stack};
+use serde::{Deserialize, Serialize};
+use std::fmt;
 
-impl Design {
-    /// The text of a design file with the values of this design in it. Only what differs from what the text says is written: comments, order and the way values are
-    /// put stay as they stand.
-    pub fn written_over(&self, file: &str, text: &str) -> Result<String, Error> {
-        let said = document(&Design::parse(file, text)?.to_toml());
-        // Both through the same writer, so that only true differences show.
-        let wanted = document(&self.to_toml());
-        let mut document = document(text);
-        merge(document.as_table_mut(), said.as_table(), wanted.as_table());
-        Ok(document.to_string())
-    }
+/// Most levels of one densification: a loop is divided by three, so four levels make 81 of it.
+pub const MAX_LEVELS: usize = 4;
+
+/// One change. Sections and joints have the numbers that the picture shows before it; those of earlier edits are as they were then.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Edit {
+    /// More strip, and stiffer.
+    Densify {
+        /// The part.
+        part: String,
+        /// Its sections.
+        sections: Vec<usize>,
+        /// How often: from the second time on, the loops that the time before made.
+        #[serde(default = "once", skip_serializing_if = "is_once")]
+        levels: usize,
+        /// What the numbers refer to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        on: Option<Base>,
+    },
+    /// Less again.
+    Undensify {
+        /// The part.
+        part: String,
+        /// Its sections; each is taken back with those that were made together with it.
+        sections: Vec<usize>,
+        /// What the numbers refer to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        on: Option<Base>,
+    },
+    /// Sections of a length given by hand, which filling leaves alone.
+    Length {
+        /// The part.
+        part: String,
+        /// Its sections.
+        sections: Vec<usize>,
+        /// Length of each, mm.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        length_mm: Option<f64>,
+        /// Or the same as it is drawn with, times this.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        factor: Option<f64>,
+        /// What the numbers refer to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        on: Option<Base>,
+    },
+    /// A joint in another place.
+    MovePoint {
+        /// The part.
+        part: String,
+        /// Its joint, as numbered.
+        joint: u32,
+        /// Where it goes: u and v in the picture, mm.
+        to_mm: [f64; 2],
+        /// What the number refers to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        on: Option<Base>,
+    },
+    /// Another number of layers. Sections are numbered from the bottom, so edits of lower layers stay what they are.
+    Layers {
+        /// The part.
+        part: String,
+        /// How many.
+        layers: usize,
+    },
+    /// Another cut.
+    Plane {
+        /// The part.
+        part: String,
+        /// A point on the plane, mesh frame, mm.
+        origin_mm: [f64; 3],
+        /// Its normal, of any length.
+        normal: [f64; 3],
+    },
 }
 
-/// A text that was parsed or written as TOML before.
-fn document(text: &str) -> DocumentMut {
-    text.parse().expect("a design that was read or written is TOML")
+/// The clean stack that numbers were read from, written down with the first edit that names sections: a program that chooses better another day must not
+/// give them another meaning.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Base {
+    /// Its layers.
+    pub layers: usize,
+    /// Which way they lie.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stack: Option<Direction>,
 }
 
-/// Carries the differences between `said` and `wanted` over to `into`, which says the same as `said` in words of its own.
-fn merge(into: &mut dyn TableLike, said: &dyn TableLike, wanted: &dyn TableLike) {
-    let gone: Vec<String> = said.iter().map(|(k, _)| k.to_owned()).filter(|k| wanted.get(k).is_none()).collect();
-    for key in gone {
-        into.remove(&key);
-    }
-    for (key, new) in wanted.iter() {
-        let Some(old) = said.get(key) else {
-            into.insert(key, new.clone());
-            continue;
-        };
-        if old.to_string() == new.to_string() {
-            continue;
+fn once() -> usize {
+    1
+}
+
+fn is_once(levels: &usize) -> bool {
+    *levels == once()
+}
+
+impl Edit {
+    /// Name of the part it changes.
+    pub fn part(&self) -> &str {
+        match self {
+            Edit::Densify { part, .. }
+            | Edit::Undensify { part, .. }
+            | Edit::Length { part, .. }
+            | Edit::MovePoint { part, .. }
+            | Edit::Layers { part, .. }
+            | Edit::Plane { part, .. } => part,
         }
-        match (into.get_mut(key), old, new) {
-            (Some(Item::ArrayOfTables(own)), Item::ArrayOfTables(old), Item::ArrayOfTables(new))
-                if own.len() == new.len() =>
+    }
+
+    /// The stack its numbers refer to, where it says so.
+    pub fn on(&self) -> Option<Base> {
+        match self {
+            Edit::Densify { on, .. }
+            | Edit::Undensify { on, .. }
+            | Edit::Length { on, .. }
+            | Edit::MovePoint { on, .. } => *on,
+            Edit::Layers { .. } | Edit::Plane { .. } => None,
+        }
+    }
+
+    /// Says which stack its numbers refer to.
+    pub fn set_on(&mut self, base: Base) {
+        match self {
+            Edit::Densify { on, .. }
+            | Edit::Undensify { on, .. }
+            | Edit::Length { on, .. }
+            | Edit::MovePoint { on, .. } => *on = Some(base),
+            Edit::Layers { .. } | Edit::Plane { .. } => {}
+        }
+    }
+
+    /// True for what changes the drawn strip; false for what decides how it is drawn to begin with.
+    pub fn changes_strip(&self) -> bool {
+        !matches!(self, Edit::Layers { .. } | Edit::Plane { .. })
+    }
+
+    /// What makes no sense about it, whatever the part.
+    pub(super) fn problem(&self) -> Option<&'static str> {
+        if self.on().is_some_and(|on| on.layers == 0) {
+            return Some("on: layers must be at least 1");
+        }
+        match self {
+            Edit::Densify { sections, .. } | Edit::Undensify { sections, .. } | Edit::Length { sections, .. }
+                if sections.is_empty() =>
             {
-                for ((own, old), new) in own.iter_mut().zip(old).zip(new) {
-                    merge(own, old, new);
+                Some("names no sections; give at least one, such as sections = [3]")
+            }
+            Edit::Densify { levels, .. } if !(1..=MAX_LEVELS).contains(levels) => Some("levels must be 1 to 4"),
+            Edit::Length { length_mm, factor, .. } => {
+                let good = |value: f64| value > 0.0 && value.is_finite();
+                match (length_mm, factor) {
+                    (Some(value), None) | (None, Some(value)) if good(*value) => None,
+                    (Some(_), None) | (None, Some(_)) => Some("needs a length above 0"),
+                    _ => Some("needs either length_mm or factor"),
                 }
             }
-            (Some(own), old, new) => match (own.as_table_like_mut(), old.as_table_like(), new.as_table_like()) {
-                (Some(own), Some(old), Some(new)) => merge(own, old, new),
-                _ => replace(own, new),
-            },
-            (None, _, new) => {
-                into.insert(key, new.clone());
+            Edit::MovePoint { to_mm, .. } if !to_mm.iter().all(|v| v.is_finite()) => {
+                Some("needs finite numbers in to_mm")
+            }
+            Edit::Layers { layers: 0, .. } => Some("layers must be at least 1"),
+            Edit::Plane { origin_mm, normal, .. } => PlaneSource { origin_mm: *origin_mm, normal: *normal }.problem(),
+            _ => None,
+        }
+    }
+}
+
+/// As people name it: "densify A 1 3".
+impl fmt::Display for Edit {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let list = |sections: &[usize]| sections.iter().map(|s| format!(" {s}")).collect::<String>();
+        match self {
+            Edit::Densify { part, sections, levels, .. } => {
+                write!(f, "densify {part}{}", list(sections))?;
+                if is_once(levels) { Ok(()) } else { write!(f, ", {levels} levels") }
+            }
+            Edit::Undensify { part, sections, .. } => write!(f, "undensify {part}{}", list(sections)),
+            Edit::Length { part, sections, length_mm: Some(mm), .. } => {
+                write!(f, "length {part}{}: {mm} mm", list(sections))
+            }
+            Edit::Length { part, sections, factor, .. } => {
+                write!(f, "length {part}{}: times {}", list(sections), factor.unwrap_or(1.0))
+            }
+            Edit::MovePoint { part, joint, to_mm: [u, v], .. } => {
+                write!(f, "move-point {part} {joint} to {u}, {v} mm")
+            }
+            Edit::Layers { part, layers } => write!(f, "layers {part} {layers}"),
+            Edit::Plane { part, origin_mm: [x, y, z], normal: [a, b, c] } => {
+                write!(f, "plane {part} through {x}, {y}, {z} mm, normal {a}, {b}, {c}")
             }
         }
     }
 }
 
-/// Puts a value in place of another, comments round it kept.
-fn replace(own: &mut Item, new: &Item) {
-    match (own, new) {
-        (Item::Value(own), Item::Value(new)) => {
-            let decor = own.decor().clone();
-            *own = new.clone();
-            *own.decor_mut() = decor;
+impl Design {
+    /// The edits of a part that change its strip, with their numbers in the list, from 1.
+    pub fn strip_edits<'a>(&'a self, part: &'a str) -> impl Iterator<Item = (usize, &'a Edit)> {
+        let numbered = self.edits.iter().enumerate().map(|(i, edit)| (i + 1, edit));
+        numbered.filter(move |(_, edit)| edit.part() == part && edit.changes_strip())
+    }
+
+    /// A part with what edits decide about how it is cut and drawn: the last word on its plane, its layers and which way they lie.
+    pub fn decided(&self, part: &PartDesign) -> PartDesign {
+        let mut decided = part.clone();
+        for edit in self.edits.iter().filter(|edit| edit.part() == part.name) {
+            match edit {
+                Edit::Layers { layers, .. } => match &mut decided.stack {
+                    Some(Stack::Given(given)) => given.layers = *layers,
+                    _ => decided.layers = Some(*layers),
+                },
+                Edit::Plane { origin_mm, normal, .. } => {
+                    decided.plane = Some(PlaneSource { origin_mm: *origin_mm, normal: *normal });
+                }
+                _ => {}
+            }
+            if let Some(on) = edit.on().filter(|_| !matches!(decided.stack, Some(Stack::Given(_)))) {
+                decided.layers = Some(on.layers);
+                if let Some(direction) = on.stack {
+                    decided.stack = Some(Stack::Toward(direction));
+                }
+            }
         }
-        (own, new) => *own = new.clone(),
+        decided
+    }
+
+    /// Takes the last edit away.
+    pub fn undo(&mut self) -> Option<Edit> {
+        self.edits.pop()
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+    use proptest::prelude::*;
 
-    const TEXT: &str = "schema = 1 # first\nmachine = \"m\"   # ours\nmaterial = \"p\"\n\n[mesh]\nfile = \"a.obj\"\nheight_mm = 100\n\n# the seat\n[[part]]\nname = \"A\"\nfoot = \"auto\"\n";
+    /// Any edit of part A, of sections up to `sections`, so that some apply to a stack and some do not.
+    pub(crate) fn any_edit(sections: usize) -> impl Strategy<Value = Edit> {
+        let part = || Just("A".to_owned());
+        let some = move || prop::collection::vec(0..sections, 1..4);
+        let on = || prop::option::of((1usize..5).prop_map(|layers| Base { layers, stack: Some(Direction::Vertical) }));
+        let quarter = |range: std::ops::Range<i32>| range.prop_map(|n| f64::from(n) / 4.0);
+        prop_oneof![
+            3 => (part(), some(), 1usize..3, on())
+                .prop_map(|(part, sections, levels, on)| Edit::Densify { part, sections, levels, on }),
+            2 => (part(), some(), on()).prop_map(|(part, sections, on)| Edit::Undensify { part, sections, on }),
+            2 => (part(), some(), quarter(80..320), on()).prop_map(|(part, sections, mm, on)| Edit::Length {
+                part,
+                sections,
+                length_mm: Some(mm),
+                factor: None,
+                on
+            }),
+            1 => (part(), some(), quarter(2..7), on()).prop_map(|(part, sections, factor, on)| Edit::Length {
+                part,
+                sections,
+                length_mm: None,
+                factor: Some(factor),
+                on
+            }),
+            2 => (part(), 1u32..9, quarter(-60..260), quarter(0..300), on())
+                .prop_map(|(part, joint, u, v, on)| Edit::MovePoint { part, joint, to_mm: [u, v], on }),
+            1 => (part(), 1usize..5).prop_map(|(part, layers)| Edit::Layers { part, layers }),
+            1 => (part(), quarter(-9..9)).prop_map(|(part, x)| Edit::Plane {
+                part,
+                origin_mm: [x, 0.0, 1.5],
+                normal: [0.0, x, 1.0]
+            }),
+        ]
+    }
 
-    #[test]
-    fn only_what_changed_changes_and_comments_stay() {
-        let mut design = Design::parse("d.toml", TEXT).unwrap();
-        assert_eq!(design.written_over("d.toml", TEXT).unwrap(), TEXT);
-        design.mesh.file = "../b.obj".into();
-        design.machine = "k40".into();
-        let expected = TEXT.replace("a.obj", "../b.obj").replace("\"m\"", "\"k40\"");
-        assert_eq!(design.written_over("d.toml", TEXT).unwrap(), expected);
+    const TEXT: &str = "# mine\nschema = 1\nmachine = \"m\"\nmaterial = \"p\" # thick\n\n[mesh]\nfile = \"a.obj\"\n\n# the seat\n[[part]]\nname = \"A\" # only one\n\n# first idea\n[[edit]]\ndo = \"layers\" # more\npart = \"A\"\nlayers = 3\n";
+
+    proptest! {
+        #[test]
+        fn any_edits_read_back_as_they_were_written(edits in prop::collection::vec(any_edit(30), 0..6)) {
+            let mut design = Design::parse("d.toml", TEXT).unwrap();
+            design.edits.extend(edits);
+            prop_assert_eq!(Design::parse("d.toml", &design.to_toml()), Ok(design.clone()));
+            let over = design.written_over("d.toml", TEXT).unwrap();
+            prop_assert_eq!(Design::parse("d.toml", &over), Ok(design));
+            prop_assert!(over.starts_with(TEXT), "{}", over);
+        }
+
+        #[test]
+        fn undoing_gives_the_same_text_back(edits in prop::collection::vec(any_edit(30), 1..5)) {
+            let mut design = Design::parse("d.toml", TEXT).unwrap();
+            let mut texts = vec![TEXT.to_owned()];
+            for edit in edits {
+                design.edits.push(edit);
+                texts.push(design.written_over("d.toml", &texts[texts.len() - 1]).unwrap());
+            }
+            while texts.len() > 1 {
+                let text = texts.pop().unwrap();
+                design.undo();
+                prop_assert_eq!(&design.written_over("d.toml", &text).unwrap(), &texts[texts.len() - 1]);
+            }
+        }
     }
 
     #[test]
-    fn values_keep_the_way_they_are_put() {
-        let text = "schema = 1\nmachine = \"m\"\nmaterial = \"p\"\nstock = [] # any\nmesh = { file = \"a.obj\", height_mm = 100 } # big\n\n[[part]]\nname = \"A\"\nplane = { origin_mm = [0, 0, 0], normal = [0, 0, 1] } # front\n";
-        let mut design = Design::parse("d.toml", text).unwrap();
-        assert_eq!(design.written_over("d.toml", text).unwrap(), text);
-        design.mesh.file = "b.obj".into();
-        design.parts[0].layers = Some(2);
-        let expected = text.replace("a.obj", "b.obj") + "layers = 2\n";
-        assert_eq!(design.written_over("d.toml", text).unwrap(), expected);
+    fn edits_in_one_line_keep_their_place_and_comments_too() {
+        let inline = TEXT
+            .split("# first")
+            .next()
+            .unwrap()
+            .replace("\n[mesh]", "edit = [\n  { do = \"layers\", part = \"A\", layers = 3 }, # more\n]\n\n[mesh]");
+        let mut design = Design::parse("d.toml", &inline).unwrap();
+        design.edits.push(Edit::Layers { part: "A".into(), layers: 4 });
+        let more = design.written_over("d.toml", &inline).unwrap();
+        assert_eq!(Design::parse("d.toml", &more).as_ref(), Ok(&design), "{more}");
+        assert!(more.contains("# more") && super::super::edit_line(&more, 2).is_some(), "{more}");
     }
 
     #[test]
-    fn added_and_dropped_values_read_back() {
+    fn what_is_wrong_with_an_edit_is_told_with_its_line() {
+        let text = |body: &str| format!("{TEXT}\n[[edit]]\n{body}\n");
+        for (body, words) in [
+            (
+                "do = \"densfy\"\npart = \"A\"\nsections = [1]",
+                "d.toml:20:7: unknown value 'densfy'; did you mean 'densify'?",
+            ),
+            (
+                "do = \"densify\"\npart = \"A\"\nsectoins = [1]",
+                "d.toml:22:1: unknown key 'sectoins'; did you mean 'sections'?",
+            ),
+            ("do = \"densify\"\npart = \"A\"", "missing field `sections`"),
+            ("do = \"densify\"\npart = \"B\"\nsections = [1]", "edit 2 (densify B 1) names a part that is not there"),
+            ("do = \"densify\"\npart = \"A\"\nsections = []", "names no sections"),
+            ("do = \"densify\"\npart = \"A\"\nsections = [1]\nlevels = 9", "levels must be 1 to 4"),
+            ("do = \"length\"\npart = \"A\"\nsections = [1]", "either length_mm or factor"),
+            ("do = \"length\"\npart = \"A\"\nsections = [1]\nlength_mm = -2", "a length above 0"),
+            ("do = \"plane\"\npart = \"A\"\norigin_mm = [0, 0, 0]\nnormal = [0, 0, 0]", "a normal that is not zero"),
+        ] {
+            let message = Design::parse("d.toml", &text(body)).unwrap_err().to_string();
+            assert!(message.contains(words), "{body}: {message}");
+        }
+        assert_eq!([1, 2].map(|n| super::super::edit_line(&text("do = \"layers\""), n)), [Some(14), Some(19)]);
+    }
+
+    #[test]
+    fn the_last_word_on_plane_and_layers_counts() {
         let mut design = Design::parse("d.toml", TEXT).unwrap();
-        design.mesh.height_mm = None;
-        design.stock = vec!["A3".into()];
-        design.parts[0].layers = Some(3);
-        let text = design.written_over("d.toml", TEXT).unwrap();
-        assert_eq!(Design::parse("d.toml", &text).unwrap(), design);
-        assert!(text.contains("# the seat"));
+        let part = design.parts[0].clone();
+        assert_eq!(design.decided(&part).layers, Some(3));
+        let on = Some(Base { layers: 5, stack: Some(Direction::Horizontal) });
+        design.edits.push(Edit::Densify { part: "A".into(), sections: vec![1], levels: 1, on });
+        let decided = design.decided(&part);
+        assert_eq!((decided.layers, decided.stack), (Some(5), Some(Stack::Toward(Direction::Horizontal))));
+        design.edits.push(Edit::Layers { part: "A".into(), layers: 4 });
+        assert_eq!(design.decided(&part).layers, Some(4));
     }
 }

@@ -1,9 +1,26 @@
 //! What the user decided, as a file: which mesh, machine and material, and how each part is cut and filled.
 //!
-//! A design holds decisions only; everything else follows from them and is worked out anew each time, so the same file gives the same bytes.
+//! A design holds decisions only; everything else follows from them and is worked out anew each time, so the same file gives the same bytes: clean stacks, all
+//! [`Edit`]s in order, then filling.
 
+mod apart;
+mod builtin;
+mod check;
 mod edit;
+mod shape;
+mod text;
 
+pub use crate::ruffle::Direction;
+pub use builtin::built_in;
+#[cfg(test)]
+pub(crate) use edit::tests as edit_tests;
+pub use edit::{Base, Edit, MAX_LEVELS};
+pub use shape::{GivenStack, Method, OutlineSource, Stack};
+pub use text::edit_line;
+
+pub use apart::{Connector, Split, StripAlong};
+
+use crate::config::Making;
 use crate::cut::Plane;
 use crate::geom::{P3, V3};
 use serde::{Deserialize, Serialize};
@@ -24,11 +41,27 @@ pub struct Design {
     /// Stock to use, in order of preference; empty takes what the material offers.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stock: Vec<String>,
-    /// The shape.
-    pub mesh: MeshSource,
+    /// Which way strips run in the sheet.
+    #[serde(default, skip_serializing_if = "StripAlong::is_default")]
+    pub strip_along: StripAlong,
+    /// How strips are fastened, divided and labelled, where that is not the material's way.
+    #[serde(default, skip_serializing_if = "Making::is_default")]
+    pub making: Making,
+    /// The shape; parts with an outline or a stack of their own need none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<MeshSource>,
+    /// How it is taken apart, in order.
+    #[serde(default, rename = "split", skip_serializing_if = "Vec::is_empty")]
+    pub splits: Vec<Split>,
     /// How it is filled, one entry a part.
     #[serde(rename = "part")]
     pub parts: Vec<PartDesign>,
+    /// Strips that tie parts together. Two parts that none of them ties get the nearest connection points.
+    #[serde(default, rename = "connector", skip_serializing_if = "Vec::is_empty")]
+    pub connectors: Vec<Connector>,
+    /// What was changed by hand, in order.
+    #[serde(rename = "edit", default, skip_serializing_if = "Vec::is_empty")]
+    pub edits: Vec<Edit>,
 }
 
 /// The shape a design starts from.
@@ -66,15 +99,47 @@ pub enum Up {
 pub struct PartDesign {
     /// A letter or short word; joints are numbered behind it.
     pub name: String,
+    /// Bodies of the mesh that it is made of, counted from 1 in the file's order; none: what a split called so, or else the whole shape.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<usize>,
     /// Where the shape is cut; default: upright through the middle, across its thinner side.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plane: Option<PlaneSource>,
+    /// The outline to fill, instead of one cut out of the mesh.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outline: Option<OutlineSource>,
+    /// Which way its layers lie, or the stack itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stack: Option<Stack>,
+    /// Width of the strip, mm, where no mesh says how wide it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub width_mm: Option<f64>,
     /// Number of layers; default: from the outline.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layers: Option<usize>,
     /// How it stands.
     #[serde(default, skip_serializing_if = "Foot::is_default")]
     pub foot: Foot,
+    /// How section lengths are found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub method: Option<Method>,
+}
+
+impl PartDesign {
+    /// A part that leaves everything to the program.
+    pub fn new(name: &str) -> PartDesign {
+        PartDesign {
+            name: name.into(),
+            bodies: Vec::new(),
+            plane: None,
+            outline: None,
+            stack: None,
+            width_mm: None,
+            layers: None,
+            foot: Foot::Auto,
+            method: None,
+        }
+    }
 }
 
 /// A cutting plane in the mesh frame, mm.
@@ -150,73 +215,27 @@ impl Design {
         design.check(file)?;
         Ok(design)
     }
-
-    /// The file's text.
-    pub fn to_toml(&self) -> String {
-        let body = toml::to_string(self).expect("a design holds nothing TOML cannot");
-        format!("# Made by furbelow; change what you like and run: furbelow make design.toml\n{body}")
-    }
-
-    /// Refuses values that make no sense; `file` is where they came from, for messages.
-    pub fn check(&self, file: &str) -> Result<(), Error> {
-        if self.schema != SCHEMA {
-            return Err(Error::Schema { file: file.into(), found: self.schema });
-        }
-        let wrong = |key: String, problem: &str| Err(Error::Value { file: file.into(), key, problem: problem.into() });
-        if self.mesh.height_mm.is_some_and(|h| !(h.is_finite() && h > 0.0)) {
-            return wrong("mesh: height_mm".into(), "must be a positive number");
-        }
-        if self.parts.is_empty() {
-            return wrong("part".into(), "is missing; a design has at least one [[part]] with a name");
-        }
-        for (i, part) in self.parts.iter().enumerate() {
-            let key = |k: &str| format!("part {}: {k}", part.name);
-            if part.name.is_empty() || !part.name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-') {
-                return wrong(
-                    key("name"),
-                    "must be letters, digits and '-' only: it is cut into every piece and names files",
-                );
-            }
-            // Pieces and joints are the name and a number.
-            if part.name.ends_with(|c: char| c.is_ascii_digit()) {
-                return wrong(key("name"), "must not end in a digit: pieces and joints are numbered behind it");
-            }
-            // Some systems do not tell A.svg from a.svg.
-            if self.parts[..i].iter().any(|p| p.name.eq_ignore_ascii_case(&part.name)) {
-                return wrong(key("name"), "is used twice");
-            }
-            if part.layers == Some(0) {
-                return wrong(key("layers"), "must be at least 1");
-            }
-            if let Some(plane) = part.plane {
-                let [x, y, z] = plane.normal;
-                let length = V3::new(x, y, z).norm();
-                let finite = plane.origin_mm.iter().chain(&plane.normal).all(|v| v.is_finite());
-                if !finite || length < 1e-9 {
-                    return wrong(key("plane"), "needs finite numbers and a normal that is not zero");
-                }
-            }
-        }
-        Ok(())
-    }
 }
 
 /// Where a TOML error lies and what was perhaps meant.
 fn syntax_error(file: &str, text: &str, error: &toml::de::Error) -> Error {
-    let at = error.span().map_or(0, |span| span.start).min(text.len());
-    let before = &text[..at];
-    let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+    let mut at = error.span().map_or(0, |span| span.start).min(text.len());
     let mut message = error.message().to_owned();
     // "unknown field `mashine`, expected one of `schema`, `machine`, ...": every second piece between backticks is a name.
     let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-    if let [typed, known @ ..] = names.as_slice()
-        && message.starts_with("unknown field")
-    {
+    let what = ["unknown field", "unknown variant"].into_iter().find(|what| message.starts_with(what));
+    if let ([typed, known @ ..], Some(what)) = (names.as_slice(), what) {
+        // Of an edit, the error names the whole entry: the word itself stands further on.
+        at += text[at..].find(typed).unwrap_or(0);
         let alike = |name: &&&str| strsim::damerau_levenshtein(typed, name);
-        if let Some(meant) = known.iter().min_by_key(alike).filter(|name| alike(name) <= 3) {
-            message = format!("unknown key '{typed}'; did you mean '{meant}'?");
-        }
+        let kind = if what == "unknown field" { "key" } else { "value" };
+        message = match known.iter().min_by_key(alike).filter(|name| alike(name) <= 3) {
+            Some(meant) => format!("unknown {kind} '{typed}'; did you mean '{meant}'?"),
+            None => format!("unknown {kind} '{typed}'; known are {}", known.join(", ")),
+        };
     }
+    let before = &text[..at];
+    let line_start = before.rfind('\n').map_or(0, |i| i + 1);
     Error::Syntax {
         file: file.into(),
         line: before.matches('\n').count() + 1,
@@ -227,6 +246,12 @@ fn syntax_error(file: &str, text: &str, error: &toml::de::Error) -> Error {
 }
 
 impl PlaneSource {
+    /// What keeps it from being a plane.
+    pub(super) fn problem(&self) -> Option<&'static str> {
+        let finite = self.origin_mm.iter().chain(&self.normal).all(|v| v.is_finite());
+        (!finite || V3::from(self.normal).norm() < 1e-9).then_some("needs finite numbers and a normal that is not zero")
+    }
+
     /// The plane, with a unit normal.
     pub fn plane(&self) -> Plane {
         Plane { origin: P3::from(self.origin_mm), normal: V3::from(self.normal).normalize() }
@@ -242,14 +267,19 @@ mod tests {
             schema: SCHEMA,
             machine: "diode-400".into(),
             material: "paper-160".into(),
+            making: Making::default(),
             stock: vec!["A3".into()],
-            mesh: MeshSource { file: "stool.obj".into(), sha256: None, up: Some(Up::Y), height_mm: Some(100.0) },
+            strip_along: StripAlong::Grain,
+            splits: Vec::new(),
+            connectors: Vec::new(),
+            mesh: Some(MeshSource { file: "stool.obj".into(), sha256: None, up: Some(Up::Y), height_mm: Some(100.0) }),
             parts: vec![PartDesign {
-                name: "A".into(),
                 plane: Some(PlaneSource { origin_mm: [0.0; 3], normal: [0.0, 0.0, 2.0] }),
                 layers: Some(4),
                 foot: Foot::Pinned,
+                ..PartDesign::new("A")
             }],
+            edits: Vec::new(),
         }
     }
 

@@ -15,6 +15,24 @@ pub enum Error {
         /// Line and column of the root element.
         place: String,
     },
+    /// A page whose size in the world is not said.
+    #[error(
+        "{place}: the page does not say its size; it needs a width in mm, cm or in, and a viewBox, as in width=\"80mm\" viewBox=\"0 0 80 60\""
+    )]
+    NoSize {
+        /// Line and column of the root element.
+        place: String,
+    },
+    /// A shape that cannot be read.
+    #[error("{place}: this {element} cannot be used: {what}")]
+    Shape {
+        /// Line and column.
+        place: String,
+        /// Element name.
+        element: String,
+        /// What is wrong.
+        what: String,
+    },
     /// A transform, which this reader does not apply.
     #[error(
         "{place}: a transform; coordinates must be plain millimetres. Apply the transform in the drawing program, then save again"

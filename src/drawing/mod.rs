@@ -7,6 +7,7 @@ mod glyphs;
 mod lettering;
 mod path_data;
 mod svg;
+mod svg_loops;
 mod svg_read;
 
 pub use dxf::dxf;
@@ -14,6 +15,7 @@ pub use error::Error;
 pub use lettering::{text_paths, text_width};
 pub use path_data::{path_data, svg_number};
 pub use svg::{piece_svg, sheet_svg};
+pub use svg_loops::read_loops;
 pub use svg_read::read_svg;
 
 use crate::geom::{Motion, Path, Rect};
@@ -27,7 +29,7 @@ pub enum Role {
     Flap,
     /// The cut that a flap goes through.
     Slit,
-    /// A closed inner cut whose waste falls out.
+    /// Any other inner cut: closed ones whose waste falls out, and open ones such as the dashes of a hinge or of perforated lettering.
     Hole,
     /// An engraved line: fold marks, splice lines.
     Mark,
@@ -166,6 +168,12 @@ impl Drawing {
     /// The piece's contour, if it has one.
     pub fn outline(&self) -> Option<&Path> {
         self.paths.iter().find(|p| p.role == Role::Outline).map(|p| &p.path)
+    }
+
+    /// The drawing without the paths of one operation.
+    pub fn without(&self, operation: Operation) -> Drawing {
+        let paths = self.paths.iter().filter(|p| p.role.operation() != operation).cloned().collect();
+        Drawing { name: self.name.clone(), paths }
     }
 
     /// The drawing after a turn and a shift.

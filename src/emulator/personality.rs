@@ -41,7 +41,8 @@ impl Personality {
     pub(super) fn line_chars(self) -> usize {
         match self {
             Personality::Grbl => 79,
-            Personality::GrblHal | Personality::FluidNc => 254,
+            Personality::GrblHal => 256,
+            Personality::FluidNc => 255,
         }
     }
 

@@ -61,6 +61,35 @@ impl Extruder {
     }
 }
 
+/// What of a shape lies before or behind the strip, beyond a gap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beyond {
+    /// Share of the shape's thickness over the nodes that the strip does not fill.
+    pub share: f64,
+    /// Where most of it is, plane frame, mm.
+    pub at: P2,
+}
+
+impl Extruder {
+    /// Where the shape goes on beyond a gap, along the normal from the nodes at `positions`, and the strip does not follow; none where it does not go on. A strip has
+    /// one width: it takes the stretch that holds the plane.
+    pub fn beyond(&self, positions: &[P2]) -> Option<Beyond> {
+        let Extruder::Mesh(solid) = self else { return None };
+        let (mut most, mut left, mut whole) = ((0.0, P2::origin()), 0.0, 0.0);
+        for p in positions {
+            // Where the line misses the strip's stretch there is no gap: the outline ends before.
+            let Some(filled) = solid.silhouette.span_at(*p) else { continue };
+            let beyond = solid.silhouette.beyond_at(*p);
+            left += beyond;
+            whole += beyond + filled.width();
+            if beyond > most.0 {
+                most = (beyond, *p);
+            }
+        }
+        (left > 0.0).then(|| Beyond { share: left / whole, at: most.1 })
+    }
+}
+
 impl Solid {
     fn spans(&self, ruffle: &Ruffle, positions: &[P2]) -> Vec<Span> {
         let mut seen: Vec<Option<Span>> =
@@ -132,7 +161,12 @@ mod tests {
             node_count: nodes as usize,
             walk: walk.iter().copied().map(Node).collect(),
             rest_lengths: rest_lengths.to_vec(),
-            sections: vec![Section { role: Role::Inner, first_segment: 0, end_segment: rest_lengths.len() }],
+            sections: vec![Section {
+                role: Role::Inner,
+                first_segment: 0,
+                end_segment: rest_lengths.len(),
+                pinned: false,
+            }],
             foot: [Node(0), Node(nodes - 1)],
             densified: Default::default(),
         }
@@ -200,6 +234,18 @@ mod tests {
         let spans = [30.0, 5.0, 5.0, 40.0].map(|w| Span { lo: -w, hi: w }).to_vec();
         let his: Vec<f64> = eased(&ruffle, spans).iter().map(|s| s.hi).collect();
         assert_eq!(his, [30.0, 20.0, 20.0, 40.0]);
+    }
+
+    #[test]
+    fn what_lies_beyond_a_gap_is_told_with_its_share_and_place() {
+        let near = cuboid(P3::new(0.0, -5.0, -5.0), V3::new(40.0, 10.0, 10.0));
+        let behind = cuboid(P3::new(20.0, -5.0, 15.0), V3::new(20.0, 10.0, 30.0));
+        let extruder = seen(&crate::mesh::samples::together(&[near.clone(), behind]), 2.0);
+        let beyond = extruder.beyond(&line(&[5.0, 15.0, 25.0, 35.0])).unwrap();
+        assert_eq!((beyond.share, beyond.at.x), (0.6, 25.0));
+        let aside = cuboid(P3::new(50.0, -5.0, 15.0), V3::repeat(10.0));
+        assert_eq!(seen(&crate::mesh::samples::together(&[near, aside]), 2.0).beyond(&line(&[5.0, 55.0])), None);
+        assert_eq!(Extruder::constant(-1.0, 1.0).unwrap().beyond(&line(&[5.0])), None);
     }
 
     #[test]

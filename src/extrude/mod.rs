@@ -8,5 +8,5 @@ mod extruder;
 mod silhouette;
 mod span;
 
-pub use extruder::{Extruder, Solid};
+pub use extruder::{Beyond, Extruder, Solid};
 pub use span::{Error, Span};

@@ -95,6 +95,15 @@ impl Silhouette {
         (self.starts, self.listed) = (starts, listed);
     }
 
+    /// Length of the line through `p` that lies inside the mesh but not in the stretch that holds the plane, mm. Nothing where the mesh is open there.
+    pub(super) fn beyond_at(&self, p: P2) -> f64 {
+        let crossings = self.crossings(p);
+        if crossings.iter().map(|c| c.winding).sum::<i32>() != 0 {
+            return 0.0;
+        }
+        stretches(&crossings).iter().filter(|s| !s.holds_plane()).map(Span::width).sum()
+    }
+
     /// The stretch of the line through `p` that lies inside the mesh and holds the plane; none where the line misses or the mesh lies
     /// wholly before or behind the plane. Where the mesh is open and the line leaves less often than it enters (or the other way round),
     /// the nearest way in behind the plane and the nearest way out before it count.
@@ -171,8 +180,13 @@ struct Crossing {
     winding: i32,
 }
 
-/// The stretch with a winding number other than 0 that holds height 0. Stretches that touch are one.
+/// The stretch with a winding number other than 0 that holds height 0.
 fn around_plane(crossings: &[Crossing]) -> Option<Span> {
+    stretches(crossings).into_iter().find(Span::holds_plane)
+}
+
+/// Stretches with a winding number other than 0, in order along the normal. Stretches that touch are one.
+fn stretches(crossings: &[Crossing]) -> Vec<Span> {
     let mut winding = 0;
     let mut stretches: Vec<Span> = Vec::new();
     for c in crossings {
@@ -187,7 +201,7 @@ fn around_plane(crossings: &[Crossing]) -> Option<Span> {
             last.hi = c.height;
         }
     }
-    stretches.into_iter().find(|s| s.lo <= 0.0 && 0.0 <= s.hi)
+    stretches
 }
 
 /// From the nearest way in behind the plane to the nearest way out before it.
@@ -234,6 +248,8 @@ mod tests {
         let hollow = together(&[at(-10.0, 20.0), inside_out(cuboid(P3::new(-3.0, -3.0, 4.0), V3::new(6.0, 6.0, 3.0)))]);
         assert!(close(seen(&hollow, V3::z()).span_at(p), -10.0, 4.0));
         assert_eq!(seen(&at(1.0, 5.0), V3::z()).span_at(p), None);
+        assert_eq!(seen(&together(&[at(-9.0, 3.0), at(-2.0, 5.0), at(7.0, 1.0)]), V3::z()).beyond_at(p), 4.0);
+        assert_eq!(seen(&at(-2.0, 5.0), V3::z()).beyond_at(p), 0.0);
     }
 
     #[test]

@@ -23,6 +23,11 @@ impl Span {
         0.5 * (self.lo + self.hi)
     }
 
+    /// True when the plane lies in it.
+    pub fn holds_plane(&self) -> bool {
+        self.lo <= 0.0 && 0.0 <= self.hi
+    }
+
     /// The span itself, or one of `min_width_mm` about its middle if it is narrower.
     pub fn at_least(self, min_width_mm: f64) -> Span {
         if self.width() >= min_width_mm {

@@ -1,16 +1,39 @@
-//! Fills an outline with a ruffle: draws clean stacks, lets them settle, adjusts section lengths, and keeps what fills best.
+//! Fills an outline with a ruffle: draws clean stacks, lets them settle, finds the section lengths that fill most, and keeps what fills best.
 
+mod descent;
+mod edits;
+mod faces;
+mod field;
+mod forest;
+mod gaps;
+mod given;
+mod grow;
+mod loads;
+mod merit;
+mod paper;
 mod report;
-mod rule;
+mod search;
+mod shape;
+mod starts;
+#[cfg(test)]
+mod tests;
+mod warnings;
 
-pub use report::{FootUsed, Report, warnings};
+pub use edits::Edits;
+pub use forest::{Body, Forest, Lean, Meeting, forest};
+pub use gaps::{Gap, Neck, largest_gap, neck};
+pub use given::{own_outline, rest};
+pub use loads::settle_together;
+pub use report::{FootUsed, Report};
+pub use shape::Spent;
+pub use warnings::warnings;
 
 use crate::cut::{Outline, PlaneFrame};
 use crate::extrude::{Extruder, Span};
-use crate::progress::{Observer, Progress, Quiet};
-use crate::ruffle::{Drawn, Layering, Ruffle, StackError, StackSettings, draw_stack};
-use crate::sim::{self, Equilibrium, Material, Outcome, Solver, Supports};
-use std::ops::ControlFlow;
+use crate::geom::V2;
+use crate::progress::{Observer, Quiet};
+use crate::ruffle::{Direction, EditError, Node, Ruffle, StackError, StackSettings};
+use crate::sim::{self, Equilibrium, Material, Solver, Supports};
 
 /// What to fill.
 #[derive(Debug, Clone, Copy)]
@@ -25,6 +48,9 @@ pub struct Target<'a> {
     pub extruder: &'a Extruder,
     /// The sheet, along the strip.
     pub material: &'a Material,
+    /// Dead loads besides the strip's own weight, plane frame, N: parts that hang on this one. Nodes are those of the settled part or, while filling, of the drawing,
+    /// after any edits: ask for a number of layers then, so that there is only one numbering.
+    pub loads_n: &'a [(Node, V2)],
 }
 
 /// How the bottom rung stands.
@@ -39,26 +65,32 @@ pub enum Foot {
     Pinned,
 }
 
+/// How section lengths are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// By the slope of what is empty and what sticks out over every length, through the equilibrium.
+    #[default]
+    Adjoint,
+    /// By the paper's rule (section 4.2): a yardstick.
+    Paper,
+}
+
 /// How to fill.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    /// How stacks are drawn; its layering is the first that is tried.
+    /// How stacks are drawn. Layering and direction are chosen by the search.
     pub stack: StackSettings,
-    /// Further layerings to try. Each costs a few dozen milliseconds; outlines differ in which they like.
-    pub other_layerings: Vec<Layering>,
+    /// Which way layers lie on each other; chosen from the outline where it is not given.
+    pub direction: Option<Direction>,
+    /// How section lengths are found.
+    pub method: Method,
     /// How the foot stands.
     pub foot: Foot,
-    /// Rounds of length updates per start.
-    pub rounds: usize,
-    /// eta of the paper's outer rule. The paper asks for less than 2; above 0.5 stacks of more than two layers oscillate.
-    pub outer_gain: f64,
-    /// Sections keep at least this share of the length they were drawn with, so that no layer collapses.
-    pub min_length_ratio: f64,
-    /// And at most this many times.
-    pub max_length_ratio: f64,
+    /// Changes of lengths tried per start, about. With none, drawings only come to rest.
+    pub effort: usize,
     /// How much worse a protruding square millimetre is than an empty one.
     pub protrusion_weight: f64,
-    /// How much worse filling may be when the foot stands free: glue is work.
+    /// How much worse filling may be when the foot stands free, as a share of the outline: glue is work.
     pub free_foot_bonus: f64,
     /// Accuracy of the solver. Its floor is set to the outline's lowest point.
     pub solver: sim::Settings,
@@ -66,28 +98,24 @@ pub struct Settings {
     pub min_bend_radius_mm: f64,
     /// Smallest void a person can still reach into with tools, mm.
     pub min_void_mm: f64,
+    /// Shortest section, mm: a flap at one end and a slit at the other.
+    pub min_section_mm: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
         Settings {
             stack: StackSettings::default(),
-            other_layerings: vec![
-                Layering::Chords { aspect: 0.28 },
-                Layering::Chords { aspect: 0.45 },
-                Layering::Packed { min_aspect: 0.16 },
-                Layering::Packed { min_aspect: 0.25 },
-            ],
+            direction: None,
+            method: Method::Adjoint,
             foot: Foot::Auto,
-            rounds: 8,
-            outer_gain: 0.4,
-            min_length_ratio: 0.6,
-            max_length_ratio: 1.6,
+            effort: 70,
             protrusion_weight: 3.0,
             free_foot_bonus: 0.03,
             solver: sim::Settings::default(),
             min_bend_radius_mm: 0.0,
             min_void_mm: 0.0,
+            min_section_mm: 8.0,
         }
     }
 }
@@ -109,6 +137,8 @@ pub struct Part {
     pub equilibrium: Equilibrium,
     /// How well it fills and whether it can be made.
     pub report: Report,
+    /// Forces on its nodes besides its own weight, plane frame, N: what the parts it bears weigh.
+    pub loads_n: Vec<(Node, V2)>,
 }
 
 /// Why a part could not be filled.
@@ -122,6 +152,14 @@ pub enum Error {
         /// Why.
         source: StackError,
     },
+    /// An edit does not apply to any drawing.
+    #[error("part {part}: {source}")]
+    Edit {
+        /// The part.
+        part: String,
+        /// Why.
+        source: EditError,
+    },
     /// The solver was given something impossible.
     #[error("part {part}: {source}")]
     Solve {
@@ -132,54 +170,74 @@ pub enum Error {
     },
     /// Nothing that was tried came to rest.
     #[error(
-        "part {part}: no start settled ({tried} tried; the best was still unbalanced by {residual_n:.1e} N). Try another number of layers (layers = N in the design), a stiffer material, or foot = \"pinned\""
+        "part {part}: no start settled ({tried} tried). Try another number of layers (layers = N in the design), a stiffer material, or foot = \"pinned\""
     )]
     Unsettled {
         /// The part.
         part: String,
         /// Starts tried.
         tried: usize,
-        /// Unbalanced force of the best, N.
-        residual_n: f64,
     },
 }
 
-/// Fills `target`. Stopped early, it keeps the best so far. [`warnings`] says what the user should know about the result.
-pub fn fit(target: &Target, settings: &Settings, observer: &mut dyn Observer) -> Result<Part, Error> {
-    let starts = starts(target, settings)?;
-    let feet: &[FootUsed] = match settings.foot {
-        Foot::Auto => &[FootUsed::Free, FootUsed::Pinned],
-        Foot::Free => &[FootUsed::Free],
-        Foot::Pinned => &[FootUsed::Pinned],
-    };
-    let total = (starts.len() * feet.len() * (settings.rounds + 1)) as u64;
-    let mut search =
-        Search { target, settings, observer, best: None, done: 0, total, stopped: false, residual_n: f64::INFINITY };
-    for foot in feet {
-        for start in &starts {
-            search.run(start, *foot)?;
-        }
-    }
-    let Search { best, residual_n, .. } = search;
-    let Some(best) = best else {
-        return Err(Error::Unsettled { part: target.name.into(), tried: starts.len() * feet.len(), residual_n });
-    };
-    Ok(best.part)
+/// Fills `target` with a strip that has been edited as asked. Stopped early, it keeps the best so far. [`warnings`] says what the user should know about the result.
+pub fn fit(
+    target: &Target,
+    settings: &Settings,
+    edits: Option<&Edits>,
+    observer: &mut dyn Observer,
+) -> Result<Part, Error> {
+    search::search(target, settings, edits, observer)
 }
 
-/// Solves a part once more with the widths it was given. Filling weighs and bends a strip with the widths of the round before; after this, shape, widths and forces
-/// belong together: whoever reads the part can work the balance out again. Never stopped: it takes milliseconds.
+/// Solves a part again under the loads of `target`, with widths that belong to where it then lies, so that shape, widths and forces agree and whoever reads the part can work
+/// the balance out again. Never stopped: it takes milliseconds.
 pub fn settle(target: &Target, settings: &Settings, filled: Part) -> Result<Part, Error> {
-    let foot = filled.report.foot;
-    let error = |source| Error::Solve { part: target.name.into(), source };
-    let mut solver = solver(target, settings, &filled.ruffle, &filled.spans, foot).map_err(error)?;
-    let equilibrium = solver.solve(&filled.equilibrium.positions, &mut Quiet).map_err(error)?;
-    Ok(part(target, filled.ruffle, filled.spans, equilibrium, foot))
+    let Part { ruffle, spans, equilibrium, report, .. } = filled;
+    let mut solver =
+        solver(target, settings, &ruffle, &spans, report.foot).map_err(|source| target.solve_error(source))?;
+    let (spans, equilibrium) = agreed(target, &mut solver, &ruffle, spans, &equilibrium.positions, &mut Quiet)?;
+    Ok(part(target, ruffle, spans, equilibrium, report.origin()))
+}
+
+/// Widths that changed by less than this, mm, are the same: a hundredth of what a strip is usually wide.
+const SAME_WIDTH_MM: f64 = 0.1;
+/// Rounds of solving with the widths of the round before. They agree to a tenth of the change each time.
+const WIDTH_ROUNDS: usize = 6;
+
+/// Solves until the strip is as wide as the mesh is where it comes to rest. The widths given back are those it was solved with.
+fn agreed(
+    target: &Target,
+    solver: &mut Solver,
+    ruffle: &Ruffle,
+    mut spans: Vec<Span>,
+    start: &[crate::geom::P2],
+    observer: &mut dyn Observer,
+) -> Result<(Vec<Span>, Equilibrium), Error> {
+    let error = |source| target.solve_error(source);
+    let mut equilibrium = solver.solve(start, observer).map_err(error)?;
+    for _ in 1..WIDTH_ROUNDS {
+        let next = target.extruder.spans(ruffle, &equilibrium.positions);
+        let changed = |(a, b): (&Span, &Span)| (a.width() - b.width()).abs();
+        if next.iter().zip(&spans).map(changed).fold(0.0, f64::max) <= SAME_WIDTH_MM {
+            break;
+        }
+        spans = next;
+        solver.measure(ruffle, &widths(&spans)).map_err(error)?;
+        equilibrium = solver.solve(&equilibrium.positions, observer).map_err(error)?;
+    }
+    Ok((spans, equilibrium))
+}
+
+impl Target<'_> {
+    fn solve_error(&self, source: sim::Error) -> Error {
+        Error::Solve { part: self.name.into(), source }
+    }
 }
 
 /// Measures a settled ruffle and makes a part of it.
-fn part(target: &Target, ruffle: Ruffle, spans: Vec<Span>, equilibrium: Equilibrium, foot: FootUsed) -> Part {
-    let report = report::measure(target, &ruffle, &spans, &equilibrium, foot);
+fn part(target: &Target, ruffle: Ruffle, spans: Vec<Span>, equilibrium: Equilibrium, origin: report::Origin) -> Part {
+    let report = report::measure(target, &ruffle, &spans, &equilibrium, origin);
     Part {
         name: target.name.into(),
         frame: *target.frame,
@@ -188,6 +246,7 @@ fn part(target: &Target, ruffle: Ruffle, spans: Vec<Span>, equilibrium: Equilibr
         spans,
         equilibrium,
         report,
+        loads_n: target.loads_n.to_vec(),
     }
 }
 
@@ -203,152 +262,13 @@ fn solver(
         FootUsed::Free => Supports { pinned: Vec::new(), upright: vec![ruffle.foot[0]] },
     };
     let settings = sim::Settings { floor_mm: floor_mm(target.outline), ..settings.solver };
-    Solver::new(ruffle, &widths(spans), target.material, &supports, &settings)
-}
-
-/// Drawings to start from. A layering that finds no place is passed over as long as another does.
-fn starts(target: &Target, settings: &Settings) -> Result<Vec<Drawn>, Error> {
-    let mut starts: Vec<Drawn> = Vec::new();
-    let mut refused = None;
-    for layering in std::iter::once(settings.stack.layering).chain(settings.other_layerings.iter().copied()) {
-        // Large shapes are folded in larger segments: as many as a shape of the usual size has.
-        let segment_mm = settings.stack.segment_mm * (target.outline.bounds().height() / FULL_DETAIL_MM).max(1.0);
-        match draw_stack(target.outline, &StackSettings { layering, segment_mm, ..settings.stack }) {
-            Ok(mut drawn) => {
-                let drop = target.outline.bounds().min.y - floor_mm(target.outline);
-                drawn.positions.iter_mut().for_each(|p| p.y -= drop);
-                if !starts.contains(&drawn) {
-                    starts.push(drawn);
-                }
-            }
-            Err(source) => refused = refused.or(Some(source)),
-        }
-    }
-    match refused {
-        Some(source) if starts.is_empty() => Err(Error::Stack { part: target.name.into(), source }),
-        _ => Ok(starts),
-    }
-}
-
-/// Outlines up to this high, mm, are folded in segments of the length asked for.
-const FULL_DETAIL_MM: f64 = 300.0;
-
-/// A filled part and how good it is.
-struct Candidate {
-    part: Part,
-    /// Lower is better.
-    score: f64,
-}
-
-struct Search<'a> {
-    target: &'a Target<'a>,
-    settings: &'a Settings,
-    observer: &'a mut dyn Observer,
-    best: Option<Candidate>,
-    done: u64,
-    total: u64,
-    stopped: bool,
-    /// Least unbalanced force of anything that did not settle, N.
-    residual_n: f64,
-}
-
-impl Search<'_> {
-    /// Lets one drawing settle and improves it round by round.
-    fn run(&mut self, start: &Drawn, foot: FootUsed) -> Result<(), Error> {
-        let (target, settings) = (self.target, self.settings);
-        let error = |source| Error::Solve { part: target.name.into(), source };
-        let rule = rule::LengthRule::new(start, target.outline, settings);
-        let mut ruffle = start.ruffle.clone();
-        let mut positions = start.positions.clone();
-        let mut spans = target.extruder.spans(&ruffle, &positions);
-        let mut solver = solver(target, settings, &ruffle, &spans, foot).map_err(error)?;
-        for _ in 0..=settings.rounds {
-            self.done += 1;
-            if self.stopped && self.best.is_some() {
-                return Ok(());
-            }
-            solver.measure(&ruffle, &widths(&spans)).map_err(error)?;
-            let equilibrium = match solver.solve(&positions, &mut Inner(self)) {
-                // A drawing that crosses itself is no start; another may be.
-                Err(sim::Error::Crossed { .. }) => return Ok(()),
-                solved => solved.map_err(error)?,
-            };
-            if equilibrium.outcome != Outcome::Converged || equilibrium.max_strain > MAX_STRAIN {
-                self.residual_n = self.residual_n.min(equilibrium.residual_n);
-                return Ok(());
-            }
-            positions.clone_from(&equilibrium.positions);
-            // The next round bends and weighs the strip as wide as the mesh is where it lies now.
-            spans = target.extruder.spans(&ruffle, &positions);
-            self.consider(&ruffle, &spans, equilibrium, foot);
-            for (section, length) in rule.lengths(&ruffle, &positions).into_iter().enumerate() {
-                if !(foot == FootUsed::Pinned && between_pins(&ruffle, section)) {
-                    ruffle.set_section_length(section, length);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn consider(&mut self, ruffle: &Ruffle, spans: &[Span], equilibrium: Equilibrium, foot: FootUsed) {
-        let part = part(self.target, ruffle.clone(), spans.to_vec(), equilibrium, foot);
-        let score = self.score(&part);
-        if self.best.as_ref().is_none_or(|b| score < b.score) {
-            self.best = Some(Candidate { part, score });
-        }
-    }
-
-    /// How far a part is from full and easy to make, as a share of the outline.
-    fn score(&self, part: &Part) -> f64 {
-        let (report, settings) = (&part.report, self.settings);
-        let glue = if report.foot == FootUsed::Pinned { settings.free_foot_bonus } else { 0.0 };
-        let shortfall = |value: f64, least: f64| if value < least { 1.0 - value / least } else { 0.0 };
-        report.uncovered_fraction
-            + settings.protrusion_weight * report.protruding_fraction
-            + glue
-            // Coverage does not see what is inside: a ruffle that passes through itself will fold otherwise, a layer that has collapsed cannot be assembled,
-            // a crease is a hinge.
-            + if report.stands { 0.0 } else { TIPPING_COST }
-            + CROSSING_COST * part.equilibrium.self_intersections as f64
-            + MAKEABLE_COST * shortfall(report.min_void_mm, settings.min_void_mm)
-            + MAKEABLE_COST * shortfall(report.min_radius_mm, settings.min_bend_radius_mm)
-    }
-
-    fn report_progress(&mut self) -> ControlFlow<()> {
-        let filled = |b: &Candidate| format!("{:.0} % filled", 100.0 * (1.0 - b.part.report.uncovered_fraction));
-        let note = self.best.as_ref().map_or(String::new(), filled);
-        self.observer.step(Progress { stage: "filling", done: self.done, total: self.total, note })
-    }
-}
-
-/// True for a section whose two ends are pinned: its length cannot change.
-fn between_pins(ruffle: &Ruffle, section: usize) -> bool {
-    let (start, end) = ruffle.section_ends(section);
-    ruffle.foot.contains(&start) && ruffle.foot.contains(&end)
+    let mut solver = Solver::new(ruffle, &widths(spans), target.material, &supports, &settings)?;
+    solver.load(target.loads_n)?;
+    Ok(solver)
 }
 
 /// Paper does not stretch: a strip that is strained more than this is held apart by something that should not hold it.
 const MAX_STRAIN: f64 = 1e-3;
-
-/// Outline share that falling over outweighs: whatever stands is better.
-const TIPPING_COST: f64 = 1.0;
-/// Outline share that one crossing outweighs.
-const CROSSING_COST: f64 = 0.1;
-/// Outline share that a void or a bend radius of nothing outweighs.
-const MAKEABLE_COST: f64 = 0.15;
-
-/// Passes a solve's progress on as the search's own. A stop ends the search once something has settled; before that, the solve goes on, since there would be
-/// nothing to keep.
-struct Inner<'s, 'a>(&'s mut Search<'a>);
-
-impl Observer for Inner<'_, '_> {
-    fn step(&mut self, progress: Progress) -> ControlFlow<()> {
-        if progress.done == 0 && self.0.report_progress().is_break() {
-            self.0.stopped = true;
-        }
-        if self.0.stopped && self.0.best.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
 
 /// The floor under an outline, plane frame, mm: the object's floor v = 0 where the outline comes down to it but for the rounding of its underside, else (a part
 /// that rests on another) the outline's lowest point.
@@ -363,96 +283,4 @@ const FOOT_ROUNDING: f64 = 0.05;
 
 fn widths(spans: &[Span]) -> Vec<f64> {
     spans.iter().map(Span::width).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geom::{P2, P3, V3};
-    use crate::progress::Warning;
-
-    fn frame() -> PlaneFrame {
-        PlaneFrame { origin: P3::origin(), u: V3::x(), v: V3::y(), normal: V3::z() }
-    }
-
-    fn paper() -> Material {
-        Material {
-            flexural_rigidity_n_mm: 2.1,
-            membrane_stiffness_n_per_mm: 600.0,
-            grammage_g_per_m2: 160.0,
-            thickness_mm: 0.19,
-        }
-    }
-
-    fn polygon(points: &[(f64, f64)]) -> Outline {
-        Outline { outer: points.iter().map(|(x, y)| P2::new(*x, *y)).collect(), holes: Vec::new() }
-    }
-
-    fn filled(
-        outline: &Outline,
-        settings: &Settings,
-        observer: &mut dyn Observer,
-    ) -> Result<(Part, Vec<Warning>), Error> {
-        let extruder = Extruder::constant(-20.0, 20.0).unwrap();
-        let target = Target { name: "A", frame: &frame(), outline, extruder: &extruder, material: &paper() };
-        let part = settle(&target, settings, fit(&target, settings, observer)?)?;
-        let warnings = warnings(&part, settings);
-        Ok((part, warnings))
-    }
-
-    #[test]
-    fn a_square_is_filled_without_crossings_and_settles() {
-        let square = polygon(&[(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)]);
-        let (part, _) = filled(&square, &Settings::default(), &mut Quiet).unwrap();
-        part.ruffle.check().unwrap();
-        assert_eq!(part.equilibrium.outcome, Outcome::Converged);
-        assert_eq!(part.equilibrium.self_intersections, 0);
-        assert!(part.report.uncovered_fraction < 0.12, "{:?}", part.report);
-        assert!(part.report.protruding_fraction < 0.02, "{:?}", part.report);
-        let mass = part.report.strip_length_mm * 40.0 * 160e-6;
-        assert!((part.report.strip_mass_g - mass).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_tall_shape_is_pinned_and_says_so() {
-        let tall = polygon(&[(0.0, 0.0), (40.0, 0.0), (40.0, 160.0), (0.0, 160.0)]);
-        let (part, warnings) = filled(&tall, &Settings::default(), &mut Quiet).unwrap();
-        assert_eq!(part.report.foot, FootUsed::Pinned);
-        assert!(warnings.iter().any(|w| w.code == "foot-pinned"), "{warnings:?}");
-        let foot = part.ruffle.foot.map(|n| part.equilibrium.positions[n.index()].y);
-        assert_eq!(foot, [0.0, 0.0]);
-    }
-
-    #[test]
-    fn tight_bends_and_thin_voids_are_named() {
-        let square = polygon(&[(0.0, 0.0), (60.0, 0.0), (60.0, 60.0), (0.0, 60.0)]);
-        let settings = Settings { min_bend_radius_mm: 50.0, min_void_mm: 50.0, ..Settings::default() };
-        let (part, warnings) = filled(&square, &settings, &mut Quiet).unwrap();
-        let codes: Vec<&str> = warnings.iter().map(|w| w.code).collect();
-        assert!(codes.contains(&"bend-tight") && codes.contains(&"void-small"), "{codes:?}");
-        assert!(part.report.min_radius_mm < 50.0 && part.report.min_void_mm < 50.0);
-    }
-
-    #[test]
-    fn stopping_at_once_still_gives_a_settled_part() {
-        struct Stop(u32);
-        impl Observer for Stop {
-            fn step(&mut self, _: Progress) -> ControlFlow<()> {
-                self.0 += 1;
-                ControlFlow::Break(())
-            }
-        }
-        let square = polygon(&[(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)]);
-        let mut stop = Stop(0);
-        let (part, _) = filled(&square, &Settings::default(), &mut stop).unwrap();
-        assert_eq!(part.equilibrium.outcome, Outcome::Converged);
-        assert!(stop.0 < 4, "asked {} times", stop.0);
-    }
-
-    #[test]
-    fn an_outline_too_small_is_refused_by_part() {
-        let tiny = polygon(&[(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)]);
-        let error = filled(&tiny, &Settings::default(), &mut Quiet).unwrap_err();
-        assert!(error.to_string().starts_with("part A: the outline, 8.0 x 8.0 mm"), "{error}");
-    }
 }

@@ -1,11 +1,12 @@
 //! What a fitted part amounts to: how full, how long, how tight, how reachable.
 
-use super::{Part, Settings, Target};
+use super::Target;
+use super::merit::long_side_mm;
+use super::shape::Spent;
 use crate::extrude::Span;
-use crate::geom::{P2, convex_hull, enclosed, signed_area};
-use crate::progress::Warning;
-use crate::ruffle::Ruffle;
-use crate::sim::{Equilibrium, Outcome};
+use crate::geom::{P2, Rect, enclosed, signed_area};
+use crate::ruffle::{Direction, Ruffle};
+use crate::sim::Equilibrium;
 
 /// How the bottom rung stands in the result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -38,10 +39,33 @@ pub struct Report {
     pub min_radius_mm: f64,
     /// Section of the tightest bend.
     pub tightest_section: usize,
+    /// Thickness of the thinnest layer: its area over the long side of the smallest rectangle around it, mm. Densified layers are left out.
+    pub thinnest_layer_mm: f64,
+    /// Layers of the stack.
+    pub layers: usize,
+    /// Which way they lie on each other.
+    pub direction: Direction,
+    /// Work done to find the shape.
+    pub spent: Spent,
     /// Thickness of the thinnest void: its area over the long side of the smallest rectangle around it, mm.
     pub min_void_mm: f64,
     /// Middle of the thinnest void, plane frame, mm.
     pub thinnest_void: P2,
+}
+
+/// What a part's shape does not tell: how it was made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Origin {
+    pub foot: FootUsed,
+    pub direction: Direction,
+    pub spent: Spent,
+}
+
+impl Report {
+    /// How the part was made.
+    pub(super) fn origin(&self) -> Origin {
+        Origin { foot: self.foot, direction: self.direction, spent: self.spent }
+    }
 }
 
 /// Voids shorter than this, mm, are what is left between sheets that touch, not rooms. A layer that has collapsed is thin but long.
@@ -60,7 +84,7 @@ pub(super) fn measure(
     ruffle: &Ruffle,
     spans: &[Span],
     equilibrium: &Equilibrium,
-    foot: FootUsed,
+    Origin { foot, direction, spent }: Origin,
 ) -> Report {
     let positions = &equilibrium.positions;
     let segments: Vec<(P2, P2)> = ruffle.segments().map(|(i, j)| (positions[i], positions[j])).collect();
@@ -81,7 +105,21 @@ pub(super) fn measure(
         .map(|room| (room.thickness_mm, room.center))
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .unwrap_or((0.0, P2::origin()));
+    let layers = ruffle.layers();
+    let thinnest_layer_mm = layers
+        .iter()
+        .filter_map(|layer| ruffle.layer_border(layer))
+        .map(|nodes| {
+            let corners: Vec<P2> = nodes.iter().map(|n| positions[*n]).collect();
+            signed_area(&corners).abs() / long_side_mm(&corners)
+        })
+        .fold(f64::INFINITY, f64::min)
+        .min(region_height(positions));
     Report {
+        thinnest_layer_mm,
+        layers: layers.len(),
+        direction,
+        spent,
         uncovered_fraction: coverage.uncovered_fraction(),
         protruding_fraction: coverage.protruding_fraction(),
         covered: region.loops,
@@ -94,6 +132,11 @@ pub(super) fn measure(
         min_void_mm,
         thinnest_void,
     }
+}
+
+/// Extent of the whole upward, mm.
+fn region_height(x: &[P2]) -> f64 {
+    Rect::around(x).height()
 }
 
 /// Smallest radius of curvature along the strip, mm, and its section. The radius at a node is the mean length of its segments over the turn between them.
@@ -140,105 +183,11 @@ struct Room {
 
 fn measured_room(room: &[[P2; 3]]) -> Room {
     let corners: Vec<P2> = room.iter().flatten().copied().collect();
-    let hull = convex_hull(&corners);
-    let n = hull.len();
-    let long_side = (0..n)
-        .filter_map(|i| (hull[(i + 1) % n] - hull[i]).try_normalize(1e-12))
-        .map(|u| {
-            let extent = |axis: nalgebra::Vector2<f64>| {
-                let along = hull.iter().map(|p| p.coords.dot(&axis));
-                let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-                high - low
-            };
-            let (a, b) = (extent(u), extent(nalgebra::Vector2::new(-u.y, u.x)));
-            (a * b, a.max(b))
-        })
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or(1.0, |(_, long)| long);
+    let long_side = long_side_mm(&corners);
     let area: f64 = room.iter().map(|t| signed_area(t)).sum();
     let weighted = room.iter().map(|t| (t[0].coords + t[1].coords + t[2].coords) * (signed_area(t) / 3.0));
     let center = weighted.fold(nalgebra::Vector2::zeros(), |sum, v| sum + v) / area;
     Room { thickness_mm: area / long_side, length_mm: long_side, center: P2::from(center) }
-}
-
-/// What the user should know before cutting.
-pub fn warnings(part: &Part, settings: &Settings) -> Vec<Warning> {
-    let mut warnings = Vec::new();
-    let r = &part.report;
-    let mut warn = |warning: Warning| warnings.push(warning.in_part(&part.name));
-    if part.equilibrium.self_intersections > 0 {
-        let n = part.equilibrium.self_intersections;
-        warn(Warning::new(
-            "self-intersection",
-            format!(
-                "the folded strip passes through itself in {n} places; it will fold differently there. Try another number of layers"
-            ),
-        ));
-    }
-    if r.foot == FootUsed::Pinned && settings.foot == super::Foot::Auto {
-        warn(Warning::new(
-            "foot-pinned",
-            "standing free it would tip or fill less: glue both ends of the bottom rung to a base, or set foot = \"free\" in the design",
-        ));
-    }
-    if !r.stands {
-        warn(Warning::new(
-            "tips",
-            "standing free it falls over when pushed: glue both ends of the bottom rung to a base (--foot pinned)",
-        ));
-    }
-    if r.min_radius_mm < settings.min_bend_radius_mm {
-        warn(
-            Warning::new(
-                "bend-tight",
-                format!(
-                    "the strip bends to a radius of {:.1} mm; below {:.1} mm this material creases. Use fewer layers or make the shape larger",
-                    r.min_radius_mm, settings.min_bend_radius_mm
-                ),
-            )
-            .at(format!("section {}", r.tightest_section)),
-        );
-    }
-    if r.min_void_mm < settings.min_void_mm {
-        warn(
-            Warning::new(
-                "void-small",
-                format!(
-                    "a void is only {:.1} mm thick; tools need {:.1} mm to reach the flaps. Use fewer layers or make the shape larger",
-                    r.min_void_mm, settings.min_void_mm
-                ),
-            )
-            .at(format!("u {:.0}, v {:.0} mm", r.thinnest_void.x, r.thinnest_void.y)),
-        );
-    }
-    if part.equilibrium.outcome != Outcome::Converged {
-        warn(Warning::new(
-            "not-settled",
-            format!(
-                "the strip had not come to rest (unbalanced force {:.1e} N); its shape may differ",
-                part.equilibrium.residual_n
-            ),
-        ));
-    }
-    if r.protruding_fraction > 0.1 {
-        warn(Warning::new(
-            "sticks-out",
-            format!(
-                "{:.0} % of the outline's area again sticks out of it: narrow places are bridged. Other layers may follow the shape better",
-                100.0 * r.protruding_fraction
-            ),
-        ));
-    }
-    if r.uncovered_fraction > 0.3 {
-        warn(Warning::new(
-            "empty",
-            format!(
-                "{:.0} % of the outline stays empty: one ruffle does not reach everywhere in this shape",
-                100.0 * r.uncovered_fraction
-            ),
-        ));
-    }
-    warnings
 }
 
 #[cfg(test)]

@@ -10,16 +10,13 @@ use super::burn::Burn;
 use super::finding::{Finding, Findings};
 use super::held_feed::HeldFeed;
 use super::line_rules::LineRules;
-use super::lines::{read_line, real_time};
+use super::lines::{MAX_LINE_BYTES, read_line, real_time};
 use super::move_rules::MoveRules;
 use super::parse::{column_of_word, parse_line};
 use super::timing::LitTime;
 use super::trace::{Tracer, sent_bytes};
 use super::{Limits, Move, Planner, Program, Stretch};
 use crate::geom::Rect;
-
-/// Longest line that is held, in bytes; what is longer is no G-code.
-const MAX_LINE_BYTES: usize = 65_536;
 
 /// How many lines go by between two steps.
 const LINES_PER_STEP: usize = 4096;
@@ -105,10 +102,19 @@ pub(super) struct Notes {
     pub(super) warnings: Findings,
 }
 
+/// Looks on while a file is checked, for who needs more than the report and must not hold the file either.
+pub trait Witness: std::fmt::Debug {
+    /// The program asks for this next.
+    fn asked(&mut self, m: &Move);
+    /// A move asked for before takes so many seconds more; moves come in order, and some of them several times.
+    fn took(&mut self, m: &Move, seconds: f64);
+}
+
 /// Checks a file line by line.
 #[derive(Debug)]
 pub struct Checker<'a> {
     settings: &'a CheckSettings,
+    witness: Option<&'a mut dyn Witness>,
     notes: Notes,
     tracer: Tracer,
     planner: Planner,
@@ -142,6 +148,7 @@ impl<'a> Checker<'a> {
     pub fn new(settings: &'a CheckSettings) -> Checker<'a> {
         Checker {
             settings,
+            witness: None,
             notes: Notes::default(),
             tracer: Tracer::new(),
             planner: Planner::new(&settings.limits),
@@ -152,6 +159,11 @@ impl<'a> Checker<'a> {
             pushed: 0,
             moves: Vec::new(),
         }
+    }
+
+    /// Nothing read yet; `witness` is shown every move.
+    pub fn watched(settings: &'a CheckSettings, witness: &'a mut dyn Witness) -> Checker<'a> {
+        Checker { witness: Some(witness), ..Checker::new(settings) }
     }
 
     /// Takes a whole file; `step` is told now and then how many bytes are done.
@@ -230,19 +242,22 @@ impl<'a> Checker<'a> {
     fn take(&mut self, m: &Move) {
         let Checker { settings, notes, .. } = self;
         self.move_rules.judge(m, settings, notes);
+        if let Some(witness) = &mut self.witness {
+            witness.asked(m);
+        }
         self.sums.measure(m, settings);
         let index = self.pushed;
         self.pushed += 1;
         if m.length_mm() > 0.0 || !m.goes() {
             self.sums.pending.push_back((index, *m));
         }
-        self.planner.push(m, &mut |stretch| self.sums.take(&stretch, settings));
+        self.planner.push(m, &mut |stretch| self.sums.take(&stretch, settings, &mut self.witness));
     }
 
     /// The end of the file.
     pub fn finish(mut self) -> Report {
-        let Checker { settings, mut notes, mut sums, .. } = self;
-        self.planner.finish(&mut |stretch| sums.take(&stretch, settings));
+        let Checker { settings, mut notes, mut sums, mut witness, .. } = self;
+        self.planner.finish(&mut |stretch| sums.take(&stretch, settings, &mut witness));
         sums.burn.end(settings);
         sums.burn.tell(settings, &mut notes);
         sums.held.tell(&mut notes);
@@ -274,12 +289,20 @@ impl Sums {
         }
     }
 
-    fn take(&mut self, stretch: &Stretch, settings: &CheckSettings) {
+    fn take<'w>(
+        &mut self,
+        stretch: &Stretch,
+        settings: &CheckSettings,
+        witness: &mut Option<&'w mut (dyn Witness + 'w)>,
+    ) {
         self.time_s += stretch.seconds;
         while self.pending.front().is_some_and(|(index, _)| *index < stretch.index) {
             self.pending.pop_front();
         }
         let Some((_, m)) = self.pending.front() else { return };
+        if let Some(witness) = witness {
+            witness.took(m, stretch.seconds);
+        }
         self.lit.add(m, stretch.seconds);
         self.burn.add(m, stretch, settings);
         self.held.add(m, stretch);

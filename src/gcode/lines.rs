@@ -4,6 +4,9 @@ use std::io::BufRead;
 
 use super::check::Notes;
 
+/// Longest line that is held, in bytes; what is longer is no G-code.
+pub(super) const MAX_LINE_BYTES: usize = 65_536;
+
 /// Soft reset: ends the job wherever it stands.
 const SOFT_RESET: u8 = 0x18;
 
@@ -26,6 +29,17 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = &str> {
         let line = &rest[..end];
         rest = &rest[next..];
         Some(line)
+    })
+}
+
+/// The lines of a file as [`super::Checker::read`] counts them, without their ends and one at a time. Bytes that are no UTF-8 become U+FFFD; of
+/// a line longer than 65,536 bytes only so much and one byte more is given.
+pub fn read_lines(mut input: impl BufRead) -> impl Iterator<Item = std::io::Result<String>> {
+    let mut line = Vec::new();
+    std::iter::from_fn(move || match read_line(&mut input, &mut line, MAX_LINE_BYTES) {
+        Ok(0) => None,
+        Ok(_) => Some(Ok(String::from_utf8_lossy(&line).into_owned())),
+        Err(e) => Some(Err(e)),
     })
 }
 
@@ -120,6 +134,15 @@ mod tests {
         let text = "a\rb\r\nc\n\nd\r\re";
         assert_eq!(lines(text).collect::<Vec<_>>(), ["a", "b", "c", "", "d", "", "e"]);
         assert_eq!(lines("a\r\n").count() + lines("").count(), 1);
+    }
+
+    #[test]
+    fn lines_read_one_by_one_are_those_that_are_counted_whatever_bytes_they_hold() {
+        let file = b"G1X1\rG1X2\r\n; gr\xf6\xdfe\n\nM2".as_slice();
+        let lines: Vec<String> = read_lines(file).map(Result::unwrap).collect();
+        assert_eq!(lines, ["G1X1", "G1X2", "; gr\u{fffd}\u{fffd}e", "", "M2"]);
+        let long = vec![b'X'; 2 * MAX_LINE_BYTES];
+        assert_eq!(read_lines(long.as_slice()).next().unwrap().unwrap().len(), MAX_LINE_BYTES + 1);
     }
 
     proptest! {

@@ -34,11 +34,12 @@ mod trace;
 mod words;
 mod writer;
 
-pub use check::{CheckSettings, Checker, Energy, Report, check, check_moves};
+pub use check::{CheckSettings, Checker, Energy, Report, Witness, check, check_moves};
 pub use emit::{AirWords, Dialect, Error, Header, ToolWords, emit};
 pub use finding::Finding;
 pub use hpgl::{PlotError, Plotter, emit_plot, is_plot, trace_plot};
 pub use interpreter::{Interpreter, Modal};
+pub use lines::read_lines;
 pub use moves::{Action, Beam, Move};
 pub use parse::{ParseError, parse};
 pub use planner::{Held, Limits, Planner, Stretch};

@@ -133,7 +133,7 @@ fn border_loops(cdt: &Cdt, room_of: &[Option<usize>]) -> Vec<Vec<P2>> {
 
 /// The part of `polygon` inside a counter-clockwise convex `clipper` (Sutherland and Hodgman 1974, doi:10.1145/360767.360802). A concave
 /// polygon may come back with edges that run there and back; its signed area is right all the same.
-fn clip(polygon: &[P2], clipper: &[P2; 3]) -> Vec<P2> {
+pub fn clip(polygon: &[P2], clipper: &[P2; 3]) -> Vec<P2> {
     let mut points = polygon.to_vec();
     for i in 0..3 {
         let (a, b) = (clipper[i], clipper[(i + 1) % 3]);

@@ -11,7 +11,7 @@ mod polygon;
 mod snap;
 pub mod tolerance;
 
-pub use arrangement::{Coverage, Enclosed, enclosed};
+pub use arrangement::{Coverage, Enclosed, clip, enclosed};
 pub use company::MotionTree;
 pub use path::{Path, PathVertex, Segment};
 pub use polygon::{

@@ -5,9 +5,10 @@ use super::settings::Setup;
 use super::sheets::Sheets;
 use super::strips::Strips;
 use super::{Error, Order, Realised, dry_run, pictures, ruffle_json};
-use crate::drawing;
+use crate::drawing::{self, Drawing};
 use crate::preview::{Canvas, Run};
 use crate::progress::{Observer, Progress};
+use crate::toolpath;
 
 /// Room around a piece in its own drawing, mm.
 const PIECE_MARGIN_MM: f64 = 5.0;
@@ -42,6 +43,12 @@ pub(super) fn write(
         stage.write(&format!("strips/{}.svg", piece.name), svg.as_bytes())?;
         let dxf = drawing::dxf(std::slice::from_ref(&piece.drawing));
         stage.write(&format!("strips/{}.dxf", piece.name), dxf.as_bytes())?;
+        if order.svg_kerf {
+            let source = |source| Error::Toolpath { sheet: piece.name.clone(), source };
+            let drawn = toolpath::compensated(&piece.drawing, setup.pairing.cut.kerf_mm).map_err(source)?;
+            let svg = drawing::piece_svg(&drawn, PIECE_MARGIN_MM);
+            stage.write(&format!("strips/{}-kerf.svg", piece.name), svg.as_bytes())?;
+        }
     }
     let runs: Vec<Run> = sheets.sheets.iter().map(|sheet| dry_run::run(sheet, setup)).collect();
     for (sheet, run) in sheets.sheets.iter().zip(&runs) {
@@ -49,14 +56,21 @@ pub(super) fn write(
         let name = |ending: &str| format!("sheets/{}.{ending}", sheet.file);
         let svg = drawing::sheet_svg(sheet.layout.width_mm, sheet.layout.height_mm, &sheet.drawings);
         stage.write(&name("svg"), svg.as_bytes())?;
+        if order.svg_kerf {
+            let source = |source| Error::Toolpath { sheet: sheet.file.clone(), source };
+            let with_kerf = |d: &Drawing| toolpath::compensated(d, setup.pairing.cut.kerf_mm);
+            let drawn = sheet.drawings.iter().map(with_kerf).collect::<Result<Vec<Drawing>, _>>().map_err(source)?;
+            let svg = drawing::sheet_svg(sheet.layout.width_mm, sheet.layout.height_mm, &drawn);
+            stage.write(&format!("sheets/{}-kerf.svg", sheet.file), svg.as_bytes())?;
+        }
         stage.write(&name("dxf"), drawing::dxf(&sheet.drawings).as_bytes())?;
         if let Some(pen) = &sheet.pen {
-            stage.write(&name(&format!("pen.{}", sheet.ending)), pen.as_bytes())?;
+            stage.write(&format!("pen/{}.{}", sheet.file, sheet.ending), pen.as_bytes())?;
         }
         stage.write(&name(sheet.ending), sheet.text.as_bytes())?;
         png(stage, &name("png"), &pictures::sheet(sheet, run, setup), pictures::SHEET_PX)?;
     }
-    if let Some(page) = dry_run::page(&order.name(), &runs, setup)? {
+    if let Some(page) = dry_run::page(&order.name, &runs, setup)? {
         stage.write(dry_run::PAGE, page.as_bytes())?;
     }
     Ok(())

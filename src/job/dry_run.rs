@@ -1,6 +1,7 @@
 //! Programs as people look at them before they cut: ours with their sheet, foreign ones with what their comments tell.
 
 use super::Error;
+use super::label::{Label, SheetLabel};
 use super::settings;
 use super::sheets::CutSheet;
 use super::stock::parse_stock;
@@ -63,12 +64,12 @@ pub struct Looked {
 pub fn look(order: &Look, library: &Library, form: Form, by: ColorBy) -> Result<Looked, Error> {
     let plot = gcode::is_plot(order.text);
     let program = if plot { Program::default() } else { parsed(order)? };
-    let told = |key: &str| told(&program, key);
+    let label = Label::of(&program);
     // A name in a comment may be of another computer's library; one on the command line must be known.
     let known = |name: Option<&str>| name.and_then(|n| library.machine(n).ok());
     let (machine, guessed) = match order.machine {
         Some(name) => (library.machine(name)?, false),
-        None => match known(told("machine")) {
+        None => match known(label.machine.as_deref()) {
             Some(machine) => (machine, false),
             None => (library.machine(if plot { USUAL_PLOTTER } else { USUAL_MACHINE })?, true),
         },
@@ -82,15 +83,15 @@ pub fn look(order: &Look, library: &Library, form: Form, by: ColorBy) -> Result<
     };
     let profile = match order.material {
         Some(name) => Some(library.profile(name)?),
-        None => told("material").and_then(|name| library.profile(name).ok()),
+        None => label.material.and_then(|name| library.profile(&name).ok()),
     };
-    let sheet = told("sheet").and_then(read_sheet);
-    let motion = told("sheet lies").and_then(read_motion).unwrap_or_else(Motion::identity);
-    let stock = sheet.map(|(name, w, h)| stock(name, w, h, &motion, profile.as_ref()));
+    let motion = label.lies.unwrap_or_else(Motion::identity);
+    let lying = |sheet: SheetLabel| stock(&sheet.stock, sheet.width_mm, sheet.height_mm, &motion, profile.as_ref());
+    let stock = label.sheet.map(lying);
     let limits = settings::limits(&machine);
     let mut notes = Vec::new();
     notes.extend(profile.as_ref().map(|p| p.title.clone()));
-    notes.extend(told("UNCALIBRATED").map(|text| format!("UNCALIBRATED: {text}")));
+    notes.extend(label.uncalibrated.map(|text| format!("UNCALIBRATED: {text}")));
     if guessed {
         notes.push(format!(
             "No machine was named: times and bed are those of {}. --machine says otherwise.",
@@ -111,39 +112,8 @@ pub fn look(order: &Look, library: &Library, form: Form, by: ColorBy) -> Result<
     Ok(Looked { bytes, time_s, machine: machine.name, guessed })
 }
 
-/// What the program says of itself: `; key: value` before its first word.
-fn told<'a>(program: &'a Program, key: &str) -> Option<&'a str> {
-    let head = program.lines.iter().take_while(|line| line.words.is_empty());
-    head.filter_map(|line| line.comment.as_deref()?.split_once(':'))
-        .find(|(k, _)| k.trim() == key)
-        .map(|(_, v)| v.trim())
-}
-
-/// Reads "1/2 A4 297 x 210 mm".
-fn read_sheet(text: &str) -> Option<(&str, f64, f64)> {
-    let (_, rest) = text.strip_suffix(" mm")?.split_once(' ')?;
-    let (front, height) = rest.rsplit_once(" x ")?;
-    let (name, width) = front.rsplit_once(' ')?;
-    let size = |text: &str| text.parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
-    Some((name, size(width)?, size(height)?))
-}
-
 fn parsed(order: &Look) -> Result<Program, Error> {
     gcode::parse(order.text).map_err(|source| Error::Parse { file: order.name.into(), source })
-}
-
-/// How a program says where its sheet lies: "X-297 Y0 turned 90".
-pub(super) fn motion_told(motion: &Motion) -> Option<String> {
-    let (shift, turn) = (motion.translation.vector, motion.rotation.angle().to_degrees());
-    let plain = shift.norm() < 1e-6 && turn.abs() < 1e-6;
-    (!plain).then(|| format!("X{:.3} Y{:.3} turned {turn:.0}", shift.x + 0.0, shift.y + 0.0))
-}
-
-fn read_motion(text: &str) -> Option<Motion> {
-    let (place, turn) = text.split_once(" turned ")?;
-    let (x, y) = place.strip_prefix('X')?.split_once(" Y")?;
-    let number = |text: &str| text.parse::<f64>().ok().filter(|v| v.is_finite());
-    Some(Motion::new(V2::new(number(x)?, number(y)?), number(turn)?.to_radians()))
 }
 
 /// The bed of a machine. Work X0 Y0 lies in the machine's origin corner.
@@ -275,12 +245,8 @@ mod tests {
     }
 
     #[test]
-    fn where_a_sheet_lies_is_told_and_read_back() {
+    fn a_turned_sheet_is_shown_where_it_lies() {
         let turned = Motion::new(V2::new(570.0, 0.0), std::f64::consts::FRAC_PI_2);
-        let told = motion_told(&turned).unwrap();
-        assert_eq!(told, "X570.000 Y0.000 turned 90");
-        assert!((read_motion(&told).unwrap() * P2::new(10.0, 0.0) - turned * P2::new(10.0, 0.0)).norm() < 1e-9);
-        assert_eq!(motion_told(&Motion::identity()), None);
         let lies = stock("roll", 800.0, 570.0, &turned, None).rect();
         assert!((lies.min - P2::origin()).norm() < 1e-9 && (lies.max - P2::new(570.0, 800.0)).norm() < 1e-9);
     }
@@ -290,14 +256,5 @@ mod tests {
         let looked = looked("IN;PA;SP1;\nPU40,40;\nPD4000,40;\nPU0,0;", None).unwrap();
         assert_eq!((looked.machine.as_str(), looked.guessed), ("roll-610", true));
         assert!(looked.time_s > 0.1);
-    }
-
-    #[test]
-    fn sheet_lines_are_read_and_others_left_alone() {
-        assert_eq!(read_sheet("1/2 A4 297 x 210 mm"), Some(("A4", 297.0, 210.0)));
-        assert_eq!(read_sheet("2/2 my big sheet 500 x 300 mm"), Some(("my big sheet", 500.0, 300.0)));
-        for text in ["A4", "1/2 A4 297 x nan mm", "1/1 -3 x 4 mm", ""] {
-            assert_eq!(read_sheet(text), None, "{text}");
-        }
     }
 }

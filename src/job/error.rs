@@ -14,6 +14,14 @@ pub enum Error {
     /// The mesh cannot be used.
     #[error(transparent)]
     Mesh(#[from] crate::mesh::Error),
+    /// The shape cannot be taken apart as the design says.
+    #[error("{what} {problem}")]
+    Apart {
+        /// "split 2", "part A: body 9".
+        what: String,
+        /// What is wrong, and the way out.
+        problem: String,
+    },
     /// The plane gives no outline.
     #[error("part {part}: {source}")]
     Cut {
@@ -21,6 +29,44 @@ pub enum Error {
         part: String,
         /// Why.
         source: crate::cut::Error,
+    },
+    /// An outline that is given cannot be used.
+    #[error("part {part}: its outline cannot be used: {problem}")]
+    Outline {
+        /// The part.
+        part: String,
+        /// What is wrong and what would be right.
+        problem: String,
+    },
+    /// An edit does not apply, or does not any more.
+    #[error(
+        "{place}edit {number} ({what}) does not apply: {source}. Change it or take it out; `furbelow design undo` takes back the last one"
+    )]
+    Edit {
+        /// "design.toml:12: ", where there is a file.
+        place: String,
+        /// Its number in the list, from 1.
+        number: usize,
+        /// The edit in words.
+        what: String,
+        /// Why.
+        source: crate::ruffle::EditError,
+    },
+    /// A change that does not work.
+    #[error("{what} cannot be done, and nothing was changed: {source}")]
+    Change {
+        /// The edit in words.
+        what: String,
+        /// Why.
+        source: Box<Error>,
+    },
+    /// A request that names something the part does not have.
+    #[error("part {part}: {problem}")]
+    Request {
+        /// The part.
+        part: String,
+        /// What is wrong and the way out.
+        problem: String,
     },
     /// The mesh gives no widths.
     #[error("part {part}: {source}")]
@@ -55,7 +101,7 @@ pub enum Error {
         /// Why.
         source: crate::gcode::Error,
     },
-    /// A file is no drawing of ours.
+    /// A file is no drawing of ours, or holds no outline.
     #[error("{file}: {source}")]
     Drawing {
         /// The file.
@@ -164,8 +210,8 @@ impl Error {
         match self {
             Error::Config(e) => e.refuses_job(),
             Error::Design(_) | Error::Mesh(_) | Error::UnknownStock { .. } | Error::UnknownPiece { .. } => false,
-            Error::ForeignDesign { .. } | Error::Drawing { .. } | Error::Parse { .. } | Error::Plot { .. } => false,
-            Error::Machine { .. } | Error::File { .. } => false,
+            Error::Outline { .. } | Error::Drawing { .. } | Error::Machine { .. } => false,
+            Error::ForeignDesign { .. } | Error::Parse { .. } | Error::Plot { .. } | Error::File { .. } => false,
             _ => true,
         }
     }

@@ -32,9 +32,10 @@ impl Setup {
         let roll = self.machine.roll.as_ref();
         let mut settings = toolpath::Settings {
             tool: self.tool(),
-            share: if self.pairing.pen.is_some() { toolpath::Share::Cuts } else { toolpath::Share::All },
+            // What it does not mark, a pen does, or nobody.
+            share: if self.marking().is_some() { toolpath::Share::All } else { toolpath::Share::Cuts },
             kerf_mm: self.pairing.cut.kerf_mm,
-            engrave: self.pairing.engrave.as_ref().map(process),
+            engrave: self.marking().map(process),
             cut_inner: cut.clone(),
             cut_outline: cut,
             curve_tolerance_mm: CURVE_TOLERANCE_MM,
@@ -65,7 +66,7 @@ impl Setup {
 
     /// How a pen in the tool's place draws the marks of a sheet, before it is cut; `None` where the tool marks itself or nothing does.
     pub(super) fn drawing(&self, start: &StartFrom) -> Option<toolpath::Settings> {
-        let pen = process(self.pairing.pen.as_ref()?);
+        let pen = process(self.pen()?);
         Some(toolpath::Settings {
             tool: toolpath::Tool::Pen,
             share: toolpath::Share::Marks,

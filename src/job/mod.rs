@@ -8,31 +8,44 @@
 //! their folder and renamed at the end, so a failure leaves what was there before.
 
 mod artifacts;
+mod bodies;
 mod border;
+mod change;
 mod dry_run;
+mod edits;
 mod error;
+mod label;
 mod machining;
 mod order;
 mod output;
 mod pictures;
 mod probe;
+mod proposal;
 mod realise;
 mod report;
 mod ruffle_json;
 mod settings;
+mod shape;
 mod sheets;
+mod standing;
 mod stock;
 mod strips;
+mod survey;
+mod ties;
 
+pub use crate::ruffle::Role as SectionRole;
 pub use border::take_in;
+pub use change::{Changed, Places, Request, change};
 pub use dry_run::{Form, Look, Looked, look};
 pub use error::Error;
-pub use order::{Batch, Order, Overrides, StartFrom};
+pub use label::{Label, SheetLabel};
+pub use order::{Batch, Order, Overrides, Source, StartFrom};
 pub use probe::{Difference, differences, machine_file, probed};
 pub use realise::{Realised, realise};
 pub use report::{Report, SheetReport};
 pub use settings::{check_settings, expected, limits};
 pub use sheets::minutes;
+pub use survey::{PartSurvey, SectionSurvey, Survey, survey};
 
 pub use crate::toolpath::Anchor;
 
@@ -60,7 +73,7 @@ pub fn make(order: &Order, library: &Library, out_dir: &Path, observer: &mut dyn
     let mut observer = Watch { inner: observer, stopped: false };
     let setup = settings::Setup::new(&order.design, library)?;
     output::refuse_foreign_design(out_dir, order)?;
-    let realised = realise(&order.design, &order.folder, &setup, &mut observer)?;
+    let realised = realise(&order.design, &order.folder, &setup, &mut observer).map_err(|e| order.placed(e))?;
     let nesting = Instant::now();
     let mut strips = strips::strips(&realised, &setup)?;
     strips.keep_only(&order.batch.only)?;

@@ -2,7 +2,8 @@
 
 use super::Error;
 use super::output::{absolute, relative};
-use crate::design::{Design, Foot, MeshSource, PartDesign, SCHEMA, Up};
+use crate::config::Making;
+use crate::design::{self, Design, Edit, Foot, MeshSource, OutlineSource, PartDesign, SCHEMA, StripAlong, Up};
 use crate::mesh;
 use crate::toolpath::Anchor;
 use sha2::{Digest, Sha256};
@@ -14,12 +15,16 @@ use std::path::{Path, PathBuf};
 pub struct Order {
     /// The decisions, command line applied. Machines and materials that are files have absolute paths.
     pub design: Design,
-    /// The design file's text, when there was one.
-    pub text: Option<String>,
-    /// Folder that the mesh's path is relative to, absolute.
+    /// Where the design was read from, when it was.
+    pub source: Option<Source>,
+    /// Folder that files named in the design are relative to, absolute.
     pub folder: PathBuf,
+    /// Name of the job, for headers, captions and folders.
+    pub name: String,
     /// Replace a different design in the output folder.
     pub force: bool,
+    /// Also write drawings with the kerf in them, for programs that know none.
+    pub svg_kerf: bool,
     /// What is cut this time, how often, and where the machine begins; no part of the design.
     pub batch: Batch,
 }
@@ -47,6 +52,15 @@ pub enum StartFrom {
     Origin(Anchor),
     /// This point of the job lies where the head stands when it starts.
     Current(Anchor),
+}
+
+/// A design file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Source {
+    /// What messages call it.
+    pub file: String,
+    /// Its text.
+    pub text: String,
 }
 
 /// Values from the command line; each goes over the design's.
@@ -82,63 +96,121 @@ impl Order {
             machine: NOT_NAMED.into(),
             material: NOT_NAMED.into(),
             stock: Vec::new(),
-            mesh: MeshSource { file, sha256: Some(sha256_of(&mesh)?), up: None, height_mm: None },
-            parts: vec![PartDesign { name: "A".into(), plane: None, layers: None, foot: Foot::Auto }],
+            strip_along: StripAlong::Grain,
+            making: Making::default(),
+            mesh: Some(MeshSource { file, sha256: Some(sha256_of(&mesh)?), up: None, height_mm: None }),
+            splits: Vec::new(),
+            parts: vec![PartDesign::new("A")],
+            connectors: Vec::new(),
+            edits: Vec::new(),
         };
-        Ok(Order { design: overridden(design, overrides)?, text: None, folder, force: false, batch: Batch::default() })
+        let name = stem(&mesh);
+        Ok(Order {
+            design: overridden(design, overrides)?,
+            source: None,
+            folder,
+            name,
+            force: false,
+            svg_kerf: false,
+            batch: Batch::default(),
+        })
     }
 
     /// A design file.
     pub fn from_file(path: &Path, overrides: &Overrides) -> Result<Order, Error> {
         let text = std::fs::read_to_string(path).map_err(Error::file(path))?;
-        let mut design = Design::parse(&path.display().to_string(), &text)?;
-        let path = absolute(path)?;
-        let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+        let folder = absolute(path)?.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+        Order::from_text(&path.display().to_string(), text, &folder, overrides)
+    }
+
+    /// The text of a design file that lies, or might lie, in `folder`; `file` is what messages call it.
+    pub fn from_text(file: &str, text: String, folder: &Path, overrides: &Overrides) -> Result<Order, Error> {
+        let mut design = Design::parse(file, &text)?;
+        let folder = absolute(folder)?;
         for name in [&mut design.machine, &mut design.material] {
             if is_path(name) {
                 *name = absolute(&folder.join(&*name))?.display().to_string();
             }
         }
+        let name = match &design.mesh {
+            Some(mesh) => stem(Path::new(&mesh.file)),
+            None => design.parts.iter().map(|p| p.name.as_str()).collect::<Vec<&str>>().join("-"),
+        };
+        let source = Some(Source { file: file.to_owned(), text });
         Ok(Order {
             design: overridden(design, overrides)?,
-            text: Some(text),
+            source,
             folder,
+            name,
             force: false,
+            svg_kerf: false,
             batch: Batch::default(),
         })
+    }
+
+    /// A design that comes with the program ([`design::built_in`]); any other name is a file that is not there.
+    pub fn built_in(name: &str, overrides: &Overrides) -> Result<Order, Error> {
+        let missing = || Error::file(name)(std::io::ErrorKind::NotFound.into());
+        let text = design::built_in(name).ok_or_else(missing)?;
+        let order = Order::from_text(name, text.to_owned(), Path::new("."), overrides)?;
+        Ok(Order { name: name.to_owned(), ..order })
     }
 
     /// The design file's text for `out_dir`: re-runnable from there, comments kept.
     pub fn text_for(&self, out_dir: &Path) -> Result<String, Error> {
         let mut design = self.design.clone();
         let out_dir = absolute(out_dir)?;
-        design.mesh.file = relative(&out_dir, &absolute(&self.folder.join(&self.design.mesh.file))?);
+        for file in files(&mut design) {
+            *file = relative(&out_dir, &absolute(&self.folder.join(&*file))?);
+        }
         for name in [&mut design.machine, &mut design.material] {
             if is_path(name) {
                 *name = relative(&out_dir, Path::new(name));
             }
         }
-        match &self.text {
+        match &self.source {
             None => Ok(design.to_toml()),
-            Some(text) => Ok(design.written_over("design.toml", text)?),
+            Some(source) => Ok(design.written_over(&source.file, &source.text)?),
         }
     }
 
-    /// Name of the job, for headers and captions: the mesh's file name without its ending.
-    pub fn name(&self) -> String {
-        Path::new(&self.design.mesh.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
+    /// An error that says where in the file the edit stands that it is about.
+    pub(super) fn placed(&self, error: Error) -> Error {
+        match (error, &self.source) {
+            (Error::Edit { number, what, source, .. }, Some(file)) => {
+                let line = design::edit_line(&file.text, number).map_or_else(String::new, |line| format!("{line}: "));
+                Error::Edit { place: format!("{}:{line}", file.file), number, what, source }
+            }
+            (other, _) => other,
+        }
     }
 
     /// Hash of what is decided, wherever the files lie: first 12 hexadecimal digits.
     pub fn hash(&self) -> String {
         let mut design = self.design.clone();
-        let path = Path::new(&design.mesh.file);
-        let last = |path: &Path| path.file_name().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-        design.machine = last(Path::new(&self.design.machine));
-        design.material = last(Path::new(&self.design.material));
-        design.mesh.file = last(path);
+        let last =
+            |path: &str| Path::new(path).file_name().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        design.machine = last(&design.machine);
+        design.material = last(&design.material);
+        for file in files(&mut design) {
+            *file = last(file);
+        }
         sha256(design.to_toml().as_bytes())[..12].to_owned()
     }
+}
+
+/// Shapes that a design takes from files.
+fn files(design: &mut Design) -> impl Iterator<Item = &mut String> {
+    let outlines = design.parts.iter_mut().filter_map(|part| match &mut part.outline {
+        Some(OutlineSource::File(file)) => Some(file),
+        _ => None,
+    });
+    design.mesh.as_mut().map(|mesh| &mut mesh.file).into_iter().chain(outlines)
+}
+
+/// A file's name without its ending.
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
 }
 
 /// Whether a machine or material is named by a file instead of a name in the library.
@@ -158,10 +230,16 @@ fn overridden(mut design: Design, overrides: &Overrides) -> Result<Design, Error
     if !stock.is_empty() {
         design.stock = stock;
     }
-    design.mesh.height_mm = height_mm.or(design.mesh.height_mm);
-    design.mesh.up = up.or(design.mesh.up);
+    if let Some(mesh) = &mut design.mesh {
+        mesh.height_mm = height_mm.or(mesh.height_mm);
+        mesh.up = up.or(mesh.up);
+    }
     for part in &mut design.parts {
         part.layers = layers.or(part.layers);
+        // Over what edits say as well.
+        if let Some(layers) = layers.filter(|_| design.edits.iter().any(|e| e.part() == part.name)) {
+            design.edits.push(Edit::Layers { part: part.name.clone(), layers });
+        }
         part.foot = foot.unwrap_or(part.foot);
     }
     design.check("command line")?;

@@ -119,7 +119,7 @@ pub(super) fn refuse_foreign_design(out_dir: &Path, order: &Order) -> Result<(),
     match fs::read_to_string(&path) {
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(()),
         Err(source) => Err(Error::File { path, source }),
-        Ok(text) if text == order.text_for(out_dir)? || order.text.as_ref() == Some(&text) => Ok(()),
+        Ok(text) if text == order.text_for(out_dir)? || order.source.as_ref().is_some_and(|s| s.text == text) => Ok(()),
         Ok(_) => Err(Error::ForeignDesign { path }),
     }
 }

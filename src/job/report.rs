@@ -116,9 +116,9 @@ pub struct SheetReport {
 /// One connector strip.
 #[derive(Debug, Clone, Serialize)]
 pub struct ConnectorReport {
-    /// Part at one end.
+    /// Joint at one end: "A7".
     pub from: String,
-    /// Part at the other.
+    /// Joint at the other.
     pub to: String,
     /// The piece.
     pub piece: String,
@@ -137,8 +137,12 @@ pub struct Totals {
     pub sheets: usize,
     /// Largest distance between a flap's root and its slit in space, mm.
     pub max_mating_error_mm: f64,
-    /// How far a neck can shift in its slit, mm.
+    /// How far a neck can shift in its slit, across the strip, at worst, mm.
     pub joint_play_mm: f64,
+    /// How far two sheets that a joint holds can move apart, at worst, mm.
+    pub joint_slack_mm: f64,
+    /// How much sheet holds each barb of a flap, at worst, mm.
+    pub joint_retention_mm: f64,
     /// Labels over cuts or other labels.
     pub label_collisions: usize,
     /// Largest distance of a tool path from where the kerf wants it, mm.
@@ -203,6 +207,11 @@ pub(super) fn report(
         width_mm: rounded(piece.width_mm),
         mass_g: rounded(piece.mass_g),
     });
+    let connectors = strips.connectors.iter().map(|c| ConnectorReport {
+        from: c.from.clone(),
+        to: c.to.clone(),
+        piece: c.piece.name.clone(),
+    });
     let cut_sheets = sheets.sheets.iter().map(|sheet| SheetReport {
         file: format!("sheets/{}.{}", sheet.file, sheet.ending),
         stock: sheet.stock.clone(),
@@ -218,13 +227,16 @@ pub(super) fn report(
         lines: sheet.text.lines().count(),
     });
     let sum = |of: fn(&super::sheets::CutSheet) -> f64| rounded(sheets.sheets.iter().map(of).sum());
+    let hold = setup.joint().hold(setup.pairing.cut.kerf_mm);
     let totals = Totals {
         cut_mm: sum(|s| s.toolpath.cut_mm()),
         time_s: sum(|s| s.time_s),
         mass_g: rounded(strips.pieces.iter().map(|p| p.mass_g).sum()),
         sheets: sheets.sheets.len(),
         max_mating_error_mm: rounded(strips.max_mating_error_mm),
-        joint_play_mm: rounded(setup.joint().play_mm()),
+        joint_play_mm: rounded(hold.play_mm),
+        joint_slack_mm: rounded(hold.most_slack_mm),
+        joint_retention_mm: rounded(hold.retention_mm),
         label_collisions: strips.label_collisions,
         max_kerf_deviation_mm: rounded(
             sheets.sheets.iter().map(|s| s.toolpath.max_kerf_deviation_mm).fold(0.0, f64::max),
@@ -238,7 +250,7 @@ pub(super) fn report(
         parts: parts.collect(),
         pieces: pieces.collect(),
         sheets: cut_sheets.collect(),
-        connectors: Vec::new(),
+        connectors: connectors.collect(),
         totals,
         warnings,
         timing,

@@ -129,7 +129,7 @@ fn record(part: &Part) -> PartRecord<'_> {
         sections: sections.collect(),
         connection_points: connections.collect(),
         covered: part.report.covered.iter().map(|l| points(l)).collect(),
-        loads_n: Vec::new(),
+        loads_n: part.loads_n.iter().map(|(node, force)| (node.0, rounded(force.x), rounded(force.y))).collect(),
         equilibrium: EquilibriumRecord {
             outcome: e.outcome,
             iterations: e.iterations,

@@ -1,14 +1,19 @@
 //! The only place where machine and profile become the stages' settings.
 
 use super::Error;
-use crate::config::{self, AirCode, Corner, Grain, Library, Machine, Pairing, Profile, ToolClass};
-use crate::design::{Design, Foot, Up};
+use crate::config::{
+    self, AirCode, Corner, Grain, JointKind, LabelKind, Library, Machine, Making, Pairing, Profile, SpliceKind,
+    ToolClass, VisibleFace,
+};
+use crate::design::{Design, Foot, MeshSource, Method, PartDesign, Stack, StripAlong, Up};
 use crate::geom::{P2, Rect};
 use crate::progress::Warning;
+use crate::ruffle::Limits;
 use crate::{cut, fit, gcode, mesh, nest, sim, stream, strip};
 
-/// Least height of letters a pen writes so that they can be read, mm: its line is half a millimetre wide.
+/// Letters a pen draws are legible from this height, mm, and letters cut in dashes from this (materials practice).
 const PEN_LABEL_MM: f64 = 5.0;
+const PERFORATED_LABEL_MM: f64 = 6.0;
 
 /// Machine, material and how they go together.
 #[derive(Debug, Clone)]
@@ -21,6 +26,10 @@ pub struct Setup {
     pub pairing: Pairing,
     /// Stock the design asks for; empty for the material's own.
     pub stock: Vec<String>,
+    /// Which way strips run in the sheet.
+    pub strip_along: StripAlong,
+    /// How strips are fastened, divided and labelled, where the design says so.
+    pub making: Making,
     /// What the user should know about the pair.
     pub warnings: Vec<Warning>,
 }
@@ -31,29 +40,96 @@ impl Setup {
         let machine = library.machine(&design.machine)?;
         let profile = library.profile(&design.material)?;
         let pairing = machine.pair(&profile)?;
-        let mut warnings = pairing.warnings.clone();
-        if pairing.engrave.is_none() && pairing.pen.is_some() {
-            warnings.push(Warning::new(
-                "pen-first",
-                "labels are drawn, not cut: put a pen in the knife's place and run sheets/*.pen.* first, then the knife and the other file, without moving the zero",
-            ));
-        } else if pairing.engrave.is_none() {
-            warnings.push(Warning::new(
-                "no-labels",
-                format!(
-                    "{} cannot mark {} legibly: nothing is engraved; parts/ shows the joint numbers",
-                    machine.name, profile.name
-                ),
-            ));
-        }
-        let mut setup = Setup { stock: design.stock.clone(), machine, profile, pairing, warnings };
+        let warnings = pairing.warnings.clone();
+        let mut setup = Setup {
+            stock: design.stock.clone(),
+            strip_along: design.strip_along,
+            making: design.making,
+            machine,
+            profile,
+            pairing,
+            warnings,
+        };
         if setup.is_loose() {
             setup.warnings.push(Warning::new(
                 "not-held",
                 "nothing holds a piece once its outline is cut: use a tacky mat or a honeycomb with magnets, and little air",
             ));
         }
+        setup.warnings.extend(setup.label_warning());
+        if setup.joint().fastening == strip::Fastening::Mark && setup.marking().is_none() {
+            setup.warnings.push(Warning::new(
+                "marks-not-made",
+                "joints are to be taped or glued where they are marked, and nothing is engraved: the crosses are only in the drawings in strips/ and sheets/",
+            ));
+        }
         Ok(setup)
+    }
+
+    /// What the chosen labels ask of the user.
+    fn label_warning(&self) -> Option<Warning> {
+        let (machine, profile) = (&self.machine.name, &self.profile.name);
+        let machine_draws = self.machine.tool.class == ToolClass::Pen;
+        let message = match self.label_kind() {
+            LabelKind::Engrave | LabelKind::Perforate => return None,
+            LabelKind::Pen if machine_draws => return None,
+            LabelKind::Pen if self.pen().is_some() => {
+                let message = "labels are drawn: put a pen in the knife's place and run the file in pen/, then the knife and the one in sheets/, without moving sheet or zero";
+                return Some(Warning::new("pen-first", message));
+            }
+            LabelKind::Pen => {
+                "joint numbers are left to a pen: they are in the drawings (black), not in the cutting programs".into()
+            }
+            LabelKind::Notch => format!(
+                "{machine} writes nothing on {profile}: notches in the edge tell the joints, a deep one counts five, a shallow one one; in the lower edge fold toward you, in the upper away"
+            ),
+            LabelKind::Map => {
+                format!("{machine} cannot mark {profile} legibly: nothing is engraved; parts/ shows the joint numbers")
+            }
+        };
+        Some(Warning::new("no-labels", message))
+    }
+
+    /// How pieces are labelled: as the design says, else the material for this tool, else engraved where that can be done.
+    fn label_kind(&self) -> LabelKind {
+        let usual = if self.pairing.engrave.is_some() { LabelKind::Engrave } else { LabelKind::Map };
+        let wanted = self.making.label.or_else(|| self.profile.label.for_tool(self.machine.tool.class));
+        match wanted.unwrap_or(usual) {
+            LabelKind::Engrave => usual,
+            other => other,
+        }
+    }
+
+    /// What the pieces carry.
+    fn labels(&self) -> strip::Labels {
+        let least = self.profile.min_label_height_mm;
+        match self.label_kind() {
+            LabelKind::Engrave => strip::Labels::Strokes { height_mm: least },
+            LabelKind::Pen => strip::Labels::Strokes { height_mm: least.max(PEN_LABEL_MM) },
+            LabelKind::Perforate => strip::Labels::Perforated { height_mm: least.max(PERFORATED_LABEL_MM) },
+            LabelKind::Notch => strip::Labels::Notches,
+            LabelKind::Map => strip::Labels::Nothing,
+        }
+    }
+
+    /// How marks and letters are made by the tool itself; `None` where they are not.
+    pub(super) fn marking(&self) -> Option<&config::Process> {
+        let drawn = self.machine.tool.class == ToolClass::Pen && self.label_kind() == LabelKind::Pen;
+        self.pairing.engrave.as_ref().filter(|_| drawn || self.label_kind() == LabelKind::Engrave)
+    }
+
+    /// How a pen in the tool's place draws them; `None` where none does.
+    pub(super) fn pen(&self) -> Option<&config::Process> {
+        self.pairing.pen.as_ref().filter(|_| self.label_kind() == LabelKind::Pen)
+    }
+
+    /// Height of strokes that letter a sheet, mm; `None` where there are none.
+    pub(super) fn lettering_mm(&self) -> Option<f64> {
+        self.marking().or(self.pen())?;
+        match self.labels() {
+            strip::Labels::Strokes { height_mm } => Some(height_mm),
+            strip::Labels::Perforated { .. } | strip::Labels::Notches | strip::Labels::Nothing => None,
+        }
     }
 
     /// What the head reaches of a sheet in the stop corner, mm along and across the sheet: a roll's x is its feed.
@@ -62,10 +138,13 @@ impl Setup {
         if self.turned() { Rect::from_size(height, width) } else { Rect::from_size(width, height) }
     }
 
-    /// The sheet along the strip: strips are cut along the grain (machine direction), where paper is stiffest and springs back best.
+    /// The sheet in the direction strips are cut in. Along the grain (machine direction) paper is stiffest and springs back best.
     pub fn material(&self) -> sim::Material {
         sim::Material {
-            flexural_rigidity_n_mm: self.profile.flexural_rigidity_md_n_mm,
+            flexural_rigidity_n_mm: match self.strip_along {
+                StripAlong::Grain => self.profile.flexural_rigidity_md_n_mm,
+                StripAlong::Across => self.profile.flexural_rigidity_cd_n_mm,
+            },
             membrane_stiffness_n_per_mm: self.profile.membrane_stiffness_n_per_mm,
             grammage_g_per_m2: self.profile.grammage_g_per_m2,
             thickness_mm: self.profile.thickness_mm,
@@ -73,14 +152,14 @@ impl Setup {
     }
 
     /// How the mesh is loaded.
-    pub fn mesh(&self, design: &Design) -> mesh::Settings {
+    pub fn mesh(&self, source: &MeshSource) -> mesh::Settings {
         let [width, height] = self.machine.reach_mm();
-        let up = design.mesh.up.map(|up| match up {
+        let up = source.up.map(|up| match up {
             Up::X => mesh::Up::X,
             Up::Y => mesh::Up::Y,
             Up::Z => mesh::Up::Z,
         });
-        mesh::Settings { up, height_mm: design.mesh.height_mm, bed_mm: width.max(height), ..mesh::Settings::default() }
+        mesh::Settings { up, height_mm: source.height_mm, bed_mm: width.max(height), ..mesh::Settings::default() }
     }
 
     /// How it is cut.
@@ -89,30 +168,53 @@ impl Setup {
     }
 
     /// How an outline is filled.
-    pub fn fit(&self, layers: Option<usize>, foot: Foot) -> fit::Settings {
+    pub fn fit(&self, part: &PartDesign) -> fit::Settings {
         let mut settings = fit::Settings {
-            foot: match foot {
+            foot: match part.foot {
                 Foot::Auto => fit::Foot::Auto,
                 Foot::Free => fit::Foot::Free,
                 Foot::Pinned => fit::Foot::Pinned,
             },
+            direction: match part.stack {
+                Some(Stack::Toward(direction)) => Some(direction),
+                _ => None,
+            },
+            method: match part.method {
+                Some(Method::Paper) => fit::Method::Paper,
+                None => fit::Method::Adjoint,
+            },
             min_bend_radius_mm: self.profile.min_bend_radius_mm,
             min_void_mm: self.profile.min_void_mm,
+            min_section_mm: self.joint().min_section_mm(),
             ..fit::Settings::default()
         };
-        settings.stack.layers = layers;
-        // A loop of height h bends to about h / 3 where it is tightest, and its diagonal leaves voids of about h / 2.
-        let makeable = (3.0 * self.profile.min_bend_radius_mm).max(2.0 * self.profile.min_void_mm);
+        settings.stack.layers = part.layers;
+        // A loop of height h bends to about h / 2.6 where it is tightest, and its diagonal leaves voids of about h / 1.9.
+        let makeable = (2.6 * self.profile.min_bend_radius_mm).max(1.65 * self.profile.min_void_mm);
         settings.stack.min_layer_mm = settings.stack.min_layer_mm.max(makeable);
         settings.stack.max_layer_mm = settings.stack.max_layer_mm.max(makeable);
         settings
     }
 
+    /// What edits by hand may not do.
+    pub fn edit_limits(&self) -> Limits {
+        Limits { min_bend_radius_mm: self.profile.min_bend_radius_mm, min_void_mm: self.profile.min_void_mm }
+    }
+
     /// The joint for this tool.
     pub fn joint(&self) -> strip::Joint {
         let joint = self.profile.joint_for(self.machine.tool.class);
+        let holes = self.profile.joint.holes;
+        let (fastening, min_width_mm, edge_distance_mm) = match self.making.joint.unwrap_or(self.profile.joint.kind) {
+            JointKind::Flap => (strip::Fastening::Flap, joint.min_width_mm, joint.edge_distance_mm),
+            JointKind::Holes => {
+                (strip::Fastening::Holes { diameter_mm: holes.diameter_mm }, 2.0 * holes.edge_mm, holes.edge_mm)
+            }
+            JointKind::Mark => (strip::Fastening::Mark, joint.min_width_mm, joint.edge_distance_mm),
+        };
         strip::Joint {
-            min_width_mm: joint.min_width_mm,
+            fastening,
+            min_width_mm,
             neck_mm: joint.neck_mm,
             barb_mm: joint.barb_mm,
             neck_length_mm: joint.neck_length_mm,
@@ -122,34 +224,39 @@ impl Setup {
             shoulder_undercut_rad: joint.shoulder_undercut_deg.to_radians(),
             corner_radius_mm: joint.corner_radius_mm,
             hook_radius_mm: joint.hook_radius_mm.unwrap_or(0.0),
+            hinge: joint.hinge.map(|d| strip::Dashes { cut_mm: d.cut_mm, gap_mm: d.gap_mm }),
             slit_length_mm: joint.slit_length_mm(),
             slit_width_mm: joint.slit_width_mm.unwrap_or(0.0),
+            slit_relief_mm: joint.slit_relief_mm.unwrap_or(0.0),
             slit_ahead_mm: joint.slit_ahead_mm,
-            edge_distance_mm: joint.edge_distance_mm,
+            edge_distance_mm,
             cut_distance_mm: joint.cut_distance_mm,
             end_tab_mm: joint.end_tab_mm,
+            thickness_mm: self.profile.thickness_mm,
+            min_retention_mm: joint.min_retention_mm,
         }
-    }
-
-    /// How marks and letters are made, by the tool or by a pen in its place.
-    pub(super) fn marking(&self) -> Option<&config::Process> {
-        self.pairing.engrave.as_ref().or(self.pairing.pen.as_ref())
-    }
-
-    /// Height of lettering, mm; `None` where nothing can be lettered.
-    pub(super) fn label_mm(&self) -> Option<f64> {
-        let by_pen = self.machine.tool.class == ToolClass::Pen || self.pairing.pen.is_some();
-        let least = if by_pen { PEN_LABEL_MM } else { 0.0 };
-        self.marking().map(|_| self.profile.min_label_height_mm.max(least))
     }
 
     /// How strips become pieces of at most `max_piece_mm`.
     pub fn strip(&self, max_piece_mm: f64) -> strip::Settings {
         strip::Settings {
             joint: self.joint(),
+            kerf_mm: self.pairing.cut.kerf_mm,
             max_piece_mm,
-            splice_overlap_mm: self.profile.splice.lap_mm,
-            label_mm: self.label_mm(),
+            splice: strip::SpliceSettings {
+                kind: match self.making.splice.unwrap_or(self.profile.splice_kind()) {
+                    SpliceKind::Connection => strip::SpliceKind::Connection,
+                    SpliceKind::Lap => strip::SpliceKind::Lap,
+                    SpliceKind::DovetailTape => strip::SpliceKind::DovetailTape,
+                    SpliceKind::Finger => strip::SpliceKind::Finger,
+                },
+                connection_mm: self.profile.splice.connection_mm,
+                lap_mm: self.profile.splice.lap_mm,
+                rows_mm: self.profile.splice.rows_mm,
+                thread_hole_mm: self.profile.splice.thread_hole_mm,
+            },
+            labels: self.labels(),
+            clean_outside: self.making.visible_face == Some(VisibleFace::Clean),
             grammage_g_per_m2: self.profile.grammage_g_per_m2,
         }
     }
@@ -166,9 +273,10 @@ impl Setup {
 
     /// Turns a piece may take on a sheet whose grain runs along x, degrees.
     pub fn angles_deg(&self) -> Vec<f64> {
-        match self.profile.grain {
-            Grain::Directional => vec![0.0, 180.0],
-            Grain::None => vec![0.0, 180.0, 90.0, 270.0],
+        match (self.profile.grain, self.strip_along) {
+            (Grain::Directional, StripAlong::Grain) => vec![0.0, 180.0],
+            (Grain::Directional, StripAlong::Across) => vec![90.0, 270.0],
+            (Grain::None, _) => vec![0.0, 180.0, 90.0, 270.0],
         }
     }
 
@@ -265,5 +373,22 @@ pub fn limits(machine: &Machine) -> gcode::Limits {
         bytes_per_s: f64::from(controller.baud) / 10.0,
         rx_bytes: controller.rx_bytes as usize,
         line_s: controller.line_ms / 1000.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_across_the_grain_bend_as_soft_as_they_are_cut() {
+        let text = "schema = 1\nmachine = \"diode-400\"\nmaterial = \"paper-160\"\nmesh = { file = \"a.obj\" }\n[[part]]\nname = \"A\"\n";
+        let along = |word: &str| {
+            let design = Design::parse("d.toml", &format!("strip_along = \"{word}\"\n{text}")).unwrap();
+            Setup::new(&design, &Library::built_in()).unwrap()
+        };
+        let (grain, across) = (along("grain"), along("across"));
+        assert_eq!((grain.material().flexural_rigidity_n_mm, grain.angles_deg()), (2.1, vec![0.0, 180.0]));
+        assert_eq!((across.material().flexural_rigidity_n_mm, across.angles_deg()), (0.9, vec![90.0, 270.0]));
     }
 }

@@ -1,11 +1,12 @@
 //! Pieces on sheets, and the program that cuts each sheet.
 
-use super::dry_run::motion_told;
+use super::label::motion_told;
 use super::order::StartFrom;
 use super::settings::Setup;
 use super::stock;
 use super::strips::Strips;
-use super::{Error, Order};
+use super::{Error, Order, SheetLabel};
+use crate::config::Grain;
 use crate::drawing::{Drawing, DrawnPath, KerfSide, Role, text_paths};
 use crate::gcode::{self, CheckSettings, Header, Move, Program};
 use crate::geom::{Motion, Rect, V2, tolerance};
@@ -109,7 +110,7 @@ fn shared(container: Container, sets: usize) -> Container {
 
 /// The name of a set on the margin, where no piece lies; `None` where the tool cannot letter or the margin is too narrow.
 fn lettered(name: &str, setup: &Setup) -> Option<Drawing> {
-    let least_mm = setup.label_mm()?;
+    let least_mm = setup.lettering_mm()?;
     let height_mm = (setup.nest().margin_mm - 2.0 * NAME_ROOM_MM).min(2.0 * least_mm);
     if height_mm < least_mm {
         return None;
@@ -219,11 +220,9 @@ fn header(place: Place, toolpath: &Toolpath, time_s: f64, setup: &Setup, order: 
     let bounds = toolpath.bounds();
     let cut = &setup.pairing.cut;
     let Place { number, count, stock, set } = place;
-    let mut entries = vec![
-        ("job", order.name()),
-        ("design", order.hash()),
-        ("sheet", format!("{number}/{count} {stock} {:.0} x {:.0} mm", toolpath.width_mm, toolpath.height_mm)),
-    ];
+    let (width_mm, height_mm) = (toolpath.width_mm, toolpath.height_mm);
+    let sheet = SheetLabel { number, of: count, stock: stock.to_owned(), width_mm, height_mm };
+    let mut entries = vec![("job", order.name.clone()), ("design", order.hash()), ("sheet", sheet.to_string())];
     entries.extend(motion_told(&toolpath.motion).map(|told| ("sheet lies", told)));
     entries.extend(set.map(|set| ("set", set.to_owned())));
     entries.extend([
@@ -240,6 +239,9 @@ fn header(place: Place, toolpath: &Toolpath, time_s: f64, setup: &Setup, order: 
     ]);
     if let [a, b] = toolpath.crosses[..] {
         entries.push(("crosses", format!("X{:.3} Y{:.3} and X{:.3} Y{:.3} mm", a.x, a.y, b.x, b.y)));
+    }
+    if setup.profile.grain == Grain::Directional {
+        entries.push(("grain", if setup.turned() { "along Y" } else { "along X" }.to_owned()));
     }
     if !cut.calibrated {
         entries.push(("UNCALIBRATED", format!("values {}; cut a test piece first", cut.source)));

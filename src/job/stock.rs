@@ -3,6 +3,7 @@
 use super::Error;
 use super::settings::Setup;
 use crate::config::{Grain, Profile, Roll, StockGrain};
+use crate::design::StripAlong;
 use crate::nest::Container;
 use crate::progress::Warning;
 
@@ -168,18 +169,26 @@ pub(super) fn container(sheet: &Sheet, setup: &Setup) -> Container {
 /// A piece that exactly fills a container does not go in: placing allows for rounding. Pieces are made this much shorter, mm.
 const FIT_SLACK_MM: f64 = 0.1;
 
-/// Longest piece that fits a sheet along its grain, mm.
+/// Longest piece that fits a sheet the way strips run, mm.
 pub(super) fn longest_piece_mm(sheet: &Sheet, setup: &Setup) -> f64 {
-    let size = container(sheet, setup).size_mm();
-    let along = if setup.profile.grain == Grain::Directional { size.x } else { size.x.max(size.y) };
+    let [along, _] = sides_mm(sheet, setup);
     along - 2.0 * setup.profile.margin_mm - FIT_SLACK_MM
 }
 
-/// Widest piece that fits a sheet across its grain, mm.
+/// Widest piece that fits a sheet across the way strips run, mm.
 pub(super) fn widest_piece_mm(sheet: &Sheet, setup: &Setup) -> f64 {
-    let size = container(sheet, setup).size_mm();
-    let across = if setup.profile.grain == Grain::Directional { size.y } else { size.x.min(size.y) };
+    let [_, across] = sides_mm(sheet, setup);
     across - 2.0 * setup.profile.margin_mm - FIT_SLACK_MM
+}
+
+/// Extent of a sheet along and across the way strips run, mm. Its grain runs along x.
+fn sides_mm(sheet: &Sheet, setup: &Setup) -> [f64; 2] {
+    let size = container(sheet, setup).size_mm();
+    match (setup.profile.grain, setup.strip_along) {
+        (Grain::Directional, StripAlong::Grain) => [size.x, size.y],
+        (Grain::Directional, StripAlong::Across) => [size.y, size.x],
+        (Grain::None, _) => [size.x.max(size.y), size.x.min(size.y)],
+    }
 }
 
 /// How far a sheet hangs over the machine's reach, mm.
@@ -207,7 +216,11 @@ pub(super) fn warnings(used: &[&Sheet], setup: &Setup) -> Vec<Warning> {
         warnings.push(Warning::new(
             "grain-unknown",
             format!(
-                "all strips run along the long side of the sheet, and {} is taken to be stiffest that way: tear a corner (it tears straight along the grain) and turn the sheets if not",
+                "all strips run along the {} side of the sheet, and {} is taken to be stiffest along the long one: tear a corner (it tears straight along the grain) and turn the sheets if not",
+                match setup.strip_along {
+                    StripAlong::Grain => "long",
+                    StripAlong::Across => "short",
+                },
                 setup.profile.name
             ),
         ));

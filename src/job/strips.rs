@@ -4,13 +4,15 @@ use super::settings::Setup;
 use super::stock::{self, Sheet};
 use super::{Error, Realised};
 use crate::progress::Warning;
-use crate::strip::{self, Piece};
+use crate::strip::{self, Connector, Piece};
 
 /// Pieces of all parts and the sheets they are meant for.
 #[derive(Debug, Clone)]
 pub(super) struct Strips {
-    /// Part by part, in strip order.
+    /// Part by part, in strip order; then connectors and base cards.
     pub pieces: Vec<Piece>,
+    /// Connectors, each also among the pieces.
+    pub connectors: Vec<Connector>,
     /// Sheets to cut from, in order of preference.
     pub stock: Vec<Sheet>,
     /// Worst over all joints, mm.
@@ -80,14 +82,35 @@ fn fits(strips: &Strips, sheet: &Sheet, setup: &Setup) -> bool {
 fn flat(realised: &Realised, setup: &Setup, stock: Vec<Sheet>) -> Result<Strips, Error> {
     let longest = stock.iter().map(|s| stock::longest_piece_mm(s, setup)).fold(0.0, f64::max);
     let settings = setup.strip(longest);
-    let mut strips =
-        Strips { pieces: Vec::new(), stock, max_mating_error_mm: 0.0, label_collisions: 0, warnings: Vec::new() };
+    let mut strips = Strips {
+        pieces: Vec::new(),
+        connectors: Vec::new(),
+        stock,
+        max_mating_error_mm: 0.0,
+        label_collisions: 0,
+        warnings: Vec::new(),
+    };
     for part in &realised.parts {
         let pieces = strip::pieces(part, &settings)?;
         strips.pieces.extend(pieces.pieces);
         strips.max_mating_error_mm = strips.max_mating_error_mm.max(pieces.max_mating_error_mm);
         strips.label_collisions += pieces.label_collisions;
         strips.warnings.extend(pieces.warnings);
+    }
+    for tie in &realised.ties {
+        strips.connectors.push(strip::connector(&realised.parts, &strips.pieces, *tie, &settings)?);
+    }
+    strips.pieces.extend(strips.connectors.iter().map(|c| c.piece.clone()));
+    if !strips.connectors.is_empty() {
+        let names: Vec<&str> = strips.connectors.iter().map(|c| c.piece.name.as_str()).collect();
+        let message = format!(
+            "pieces {} tie the parts together: lay each end over the joint it is marked with, and push that joint's flap through both slits",
+            names.join(", ")
+        );
+        strips.warnings.push(Warning::new("connectors", message));
+    }
+    for (part, _) in realised.parts.iter().zip(&realised.based).filter(|(_, based)| **based) {
+        add_base_card(&mut strips, strip::base_card(part, &settings), longest, setup);
     }
     if strips.label_collisions > 0 {
         strips.warnings.push(Warning::new(
@@ -96,4 +119,29 @@ fn flat(realised: &Realised, setup: &Setup, stock: Vec<Sheet>) -> Result<Strips,
         ));
     }
     Ok(strips)
+}
+
+/// Adds a part's base card, if it fits the stock.
+fn add_base_card(strips: &mut Strips, card: Piece, longest_mm: f64, setup: &Setup) {
+    let widest_mm = strips.stock.iter().map(|s| stock::widest_piece_mm(s, setup)).fold(0.0, f64::max);
+    let (name, part) = (card.name.clone(), card.part.clone());
+    let fits = card.length_mm <= longest_mm && card.width_mm <= widest_mm;
+    let warning = if fits {
+        strips.pieces.push(card);
+        Warning::new(
+            "base-card",
+            format!(
+                "{name} is the card that {part} stands on: glue the ends of the bottom rung on its lines, lettering up and toward you"
+            ),
+        )
+    } else {
+        Warning::new(
+            "base-too-large",
+            format!(
+                "a base card for {part} would be {:.0} x {:.0} mm, larger than the stock: glue the ends of the bottom rung to a board of your own",
+                card.length_mm, card.width_mm
+            ),
+        )
+    };
+    strips.warnings.push(warning.in_part(part));
 }

@@ -1,4 +1,6 @@
-//! Which triangles meet at an edge.
+//! Which triangles meet at an edge, and the loops that edges form.
+
+use std::collections::HashMap;
 
 /// One side of one triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -68,6 +70,42 @@ pub(super) fn groups(triangle_count: usize, sides: &[Side], joins: impl Fn(&[Sid
         }
     }
     (number, count)
+}
+
+/// The loops that directed steps between corners form, three steps or more. At a corner where several loops meet, each is closed as early as possible. Steps that
+/// lead into no loop are left out.
+pub(super) fn loops(steps: impl Iterator<Item = (u32, u32)>) -> Vec<Vec<u32>> {
+    let mut next: HashMap<u32, Vec<u32>> = HashMap::new();
+    let mut starts = Vec::new();
+    for (from, to) in steps {
+        next.entry(from).or_default().push(to);
+        starts.push(from);
+    }
+    let mut loops = Vec::new();
+    for start in starts {
+        let mut path = vec![start];
+        let mut place: HashMap<u32, usize> = HashMap::from([(start, 0)]);
+        while let Some(to) = path.last().and_then(|at| next.get_mut(at)).and_then(Vec::pop) {
+            match place.get(&to) {
+                Some(first) => {
+                    let round = path.split_off(*first);
+                    round.iter().for_each(|corner| {
+                        place.remove(corner);
+                    });
+                    place.insert(to, path.len());
+                    path.push(to);
+                    if round.len() >= 3 {
+                        loops.push(round);
+                    }
+                }
+                None => {
+                    place.insert(to, path.len());
+                    path.push(to);
+                }
+            }
+        }
+    }
+    loops
 }
 
 #[cfg(test)]

@@ -5,7 +5,6 @@ use super::load::Soup;
 use super::polygon;
 use super::trimesh::bounds;
 use crate::geom::P3;
-use std::collections::HashMap;
 
 /// An open loop of edges.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,40 +21,10 @@ pub(super) struct Hole {
 /// that form no loop (on sheets whose sides disagree) are left out.
 pub(super) fn find(soup: &Soup) -> Vec<Hole> {
     let sides = edges::of(&soup.triangles);
-    let mut next: HashMap<u32, Vec<u32>> = HashMap::new();
-    let mut starts = Vec::new();
-    for edge in sides.chunk_by(|a, b| a.key == b.key) {
-        if let [only] = edge {
-            let (from, to) = only.ends();
-            next.entry(to).or_default().push(from);
-            starts.push(to);
-        }
-    }
-    let mut holes = Vec::new();
-    for start in starts {
-        let mut path = vec![start];
-        let mut place: HashMap<u32, usize> = HashMap::from([(start, 0)]);
-        while let Some(to) = path.last().and_then(|at| next.get_mut(at)).and_then(Vec::pop) {
-            match place.get(&to) {
-                Some(first) => {
-                    let rim = path.split_off(*first);
-                    rim.iter().for_each(|corner| {
-                        place.remove(corner);
-                    });
-                    place.insert(to, path.len());
-                    path.push(to);
-                    if rim.len() >= 3 {
-                        holes.push(measured(soup, rim));
-                    }
-                }
-                None => {
-                    place.insert(to, path.len());
-                    path.push(to);
-                }
-            }
-        }
-    }
-    holes
+    let open = sides
+        .chunk_by(|a, b| a.key == b.key)
+        .filter_map(|edge| if let [only] = edge { Some(only.ends()) } else { None });
+    edges::loops(open.map(|(from, to)| (to, from))).into_iter().map(|rim| measured(soup, rim)).collect()
 }
 
 /// Adds a lid over `hole`.

@@ -1,6 +1,6 @@
 //! Polygons in space cut into triangles: faces with many corners, and lids over holes.
 
-use crate::geom::{P2, P3, V3, cross};
+use crate::geom::{P2, P3, V3, cross, segments_cross};
 
 /// Polygons with more corners are cut as a fan: finding ears takes quadratic time, and such faces come from broken files.
 const MAX_EARS: usize = 2000;
@@ -52,6 +52,8 @@ fn is_ear(flat: &[P2], left: &[usize], k: usize) -> bool {
             // A corner visited twice (a slit to a hole in the face) does not block itself.
             p == a || p == b || p == c || side(a, b, p) < 0.0 || side(b, c, p) < 0.0 || side(c, a, p) < 0.0
         })
+        // But a side that leaves from there may.
+        && (0..n).all(|i| !segments_cross(a, c, flat[left[i]], flat[left[(i + 1) % n]]))
 }
 
 #[cfg(test)]

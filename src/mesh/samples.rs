@@ -46,13 +46,7 @@ pub(crate) fn sphere(center: P3, radius: f64, n: u32) -> TriMesh {
 
 /// Several meshes as one, nothing merged.
 pub(crate) fn together(meshes: &[TriMesh]) -> TriMesh {
-    let mut all = TriMesh { vertices: Vec::new(), triangles: Vec::new(), up: V3::y() };
-    for mesh in meshes {
-        let shift = all.vertices.len() as u32;
-        all.vertices.extend(&mesh.vertices);
-        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + shift)));
-    }
-    all
+    super::together(&meshes.iter().collect::<Vec<_>>())
 }
 
 /// The mesh inside out.

@@ -99,7 +99,7 @@ fn merge(points: &[P3], tolerance: f64) -> Vec<u32> {
 }
 
 /// Drops unused vertices; the others keep their order.
-fn compact(vertices: &[P3], mut triangles: Vec<[u32; 3]>) -> Soup {
+pub(super) fn compact(vertices: &[P3], mut triangles: Vec<[u32; 3]>) -> Soup {
     let mut used = vec![false; vertices.len()];
     triangles.iter().flatten().for_each(|i| used[*i as usize] = true);
     let mut number = vec![0; vertices.len()];

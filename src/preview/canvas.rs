@@ -18,8 +18,9 @@ impl Colour {
     pub const PALE: Colour = Colour(196, 201, 206);
     /// The region a ruffle has to fill.
     pub const REGION: Colour = Colour(188, 214, 238);
-    /// Densified sections.
-    pub const DENSE: Colour = Colour(196, 84, 20);
+    /// Bands under sections that were densified once, twice, three times and more: darker each time, and all darker than the region, so that they are told apart
+    /// without colour too.
+    pub const DENSITY: [Colour; 3] = [Colour(242, 164, 96), Colour(206, 104, 40), Colour(128, 54, 18)];
     /// Joints, outline cuts, the end of a run.
     pub const RED: Colour = Colour(214, 40, 40);
     /// Inner cuts.

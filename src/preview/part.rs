@@ -5,7 +5,7 @@ use super::labels::Obstacles;
 use crate::cut::Outline;
 use crate::drawing::{svg_number, text_width};
 use crate::geom::{P2, Rect, V2};
-use crate::ruffle::{Role, Ruffle};
+use crate::ruffle::{Role, Ruffle, Section};
 
 /// What a part's picture shows; plane frame, mm, floor at v = 0.
 #[derive(Debug, Clone)]
@@ -29,15 +29,18 @@ const MARGIN: f64 = 7.0;
 const OUTER: f64 = 0.46;
 const INNER: f64 = 0.33;
 const HAIR: f64 = 0.2;
+const BAND: f64 = 1.5;
 const DOT: f64 = 0.75;
 const JOINT_TEXT: f64 = 2.5;
 const SMALLEST_TEXT: f64 = 1.2;
 const TITLE: f64 = 3.2;
 const CAPTION: f64 = 2.1;
+const SECTION_TEXT: f64 = 1.5;
+const RULER_TEXT: f64 = 1.4;
 
-/// Draws the folded ruffle in its outline: the region pale blue, outer sections a little heavier than inner ones, densified sections in
-/// another colour, joints as dots with their numbers beside them, the floor, a scale bar and the caption. The canvas is in the plane
-/// frame and at true size.
+/// Draws the folded ruffle in its outline: the region pale blue, outer sections a little heavier than inner ones, a band under densified sections that is the darker
+/// the more often they were densified, joints as dots with their numbers beside them, the sections' numbers in little boxes, the floor, a scale bar and the caption.
+/// The canvas is in the plane frame and at true size.
 pub fn part_canvas(view: &PartView) -> Canvas {
     let shown = view.outline.bounds().union(Rect::around(view.positions));
     let shown = if shown.is_empty() { Rect::from_size(1.0, 1.0) } else { shown.with(P2::new(shown.min.x, 0.0)) };
@@ -49,26 +52,72 @@ pub fn part_canvas(view: &PartView) -> Canvas {
     canvas.region(view.outline.loops(), Some(Colour::REGION), None);
     let floor = [P2::new(picture.min.x + unit, 0.0), P2::new(picture.max.x - unit, 0.0)];
     canvas.polyline(&floor, Stroke::new(Colour::GREY, HAIR * unit));
+    draw_rulers(&mut canvas, &picture, unit);
+    draw_density(&mut canvas, view, unit);
     draw_strip(&mut canvas, view, unit);
-    draw_joints(&mut canvas, view, picture.grown(-unit), unit);
+    let (taken, joint_mm) = draw_joints(&mut canvas, view, picture.grown(-unit), unit);
+    draw_section_numbers(&mut canvas, view, taken, joint_mm.min(SECTION_TEXT * unit));
     foot.draw(&mut canvas);
     canvas
 }
 
+/// Marks u along the lower edge and v along the left one, so that a place in the picture can be told in mm.
+fn draw_rulers(canvas: &mut Canvas, picture: &Rect, unit: f64) {
+    let step = round_length(0.2 * picture.width().max(picture.height()));
+    let stroke = Stroke::new(Colour::PALE, HAIR * unit);
+    let (tick, height_mm) = (unit, RULER_TEXT * unit);
+    // Not in the corner, where the two would run into each other.
+    let marks = |from: f64, to: f64| {
+        let numbers = ((from + MARGIN * unit) / step).ceil() as i64..=((to - MARGIN * unit) / step).floor() as i64;
+        numbers.map(move |k| k as f64 * step)
+    };
+    for u in marks(picture.min.x, picture.max.x) {
+        let low = P2::new(u, picture.min.y + tick);
+        canvas.polyline(&[low, low + V2::new(0.0, tick)], stroke);
+        let (at, text) = (low + V2::new(0.0, 1.4 * tick), svg_number(u));
+        canvas.text(Text { at, align: Align::Middle, height_mm, colour: Colour::GREY, text: &text });
+    }
+    // The floor line shows where v = 0 is.
+    for v in marks(picture.min.y, picture.max.y).filter(|v| *v != 0.0) {
+        let left = P2::new(picture.min.x, v);
+        canvas.polyline(&[left, left + V2::new(tick, 0.0)], stroke);
+        let (at, text) = (left + V2::new(1.4 * tick, -0.5 * height_mm), svg_number(v));
+        canvas.text(Text { at, align: Align::Left, height_mm, colour: Colour::GREY, text: &text });
+    }
+}
+
+fn points(view: &PartView, section: &Section) -> Vec<P2> {
+    let nodes = &view.ruffle.walk[section.first_segment..=section.end_segment];
+    nodes.iter().map(|n| view.positions[n.index()]).collect()
+}
+
+/// Which of [`Colour::DENSITY`] stands for a level from 1 on.
+fn shade(level: usize) -> usize {
+    level.min(Colour::DENSITY.len()) - 1
+}
+
+/// Bands under densified sections, the densest last.
+fn draw_density(canvas: &mut Canvas, view: &PartView, unit: f64) {
+    let sections = view.ruffle.sections.iter().enumerate();
+    let mut dense: Vec<(usize, &Section)> = sections.map(|(i, s)| (view.ruffle.densified.level(i), s)).collect();
+    dense.retain(|(level, _)| *level > 0);
+    dense.sort_by_key(|(level, _)| *level);
+    for (level, section) in dense {
+        canvas.polyline(&points(view, section), Stroke::new(Colour::DENSITY[shade(level)], BAND * unit));
+    }
+}
+
 /// Draws inner sections first, so that the outer contour stays whole where they meet.
 fn draw_strip(canvas: &mut Canvas, view: &PartView, unit: f64) {
-    for (role, colour, width) in
-        [(Role::Inner, Colour::INK, INNER), (Role::Densified, Colour::DENSE, OUTER), (Role::Outer, Colour::INK, OUTER)]
-    {
+    for (role, width) in [(Role::Inner, INNER), (Role::Densified, INNER), (Role::Outer, OUTER)] {
         for section in view.ruffle.sections.iter().filter(|s| s.role == role) {
-            let nodes = &view.ruffle.walk[section.first_segment..=section.end_segment];
-            let points: Vec<P2> = nodes.iter().map(|n| view.positions[n.index()]).collect();
-            canvas.polyline(&points, Stroke::new(colour, width * unit));
+            canvas.polyline(&points(view, section), Stroke::new(Colour::INK, width * unit));
         }
     }
 }
 
-fn draw_joints(canvas: &mut Canvas, view: &PartView, area: Rect, unit: f64) {
+/// Returns the boxes that dots and numbers take up, and how high the numbers are.
+fn draw_joints(canvas: &mut Canvas, view: &PartView, area: Rect, unit: f64) -> (Vec<Rect>, f64) {
     let dots: Vec<P2> = view.joints.iter().map(|j| j.0).collect();
     let lines: Vec<(P2, P2)> = view.ruffle.segments().map(|(i, j)| (view.positions[i], view.positions[j])).collect();
     // Where joints crowd, dots and numbers shrink with the room between them.
@@ -81,9 +130,46 @@ fn draw_joints(canvas: &mut Canvas, view: &PartView, area: Rect, unit: f64) {
     let widths: Vec<f64> = view.joints.iter().map(|j| text_width(&j.1, height)).collect();
     let obstacles = Obstacles { lines: &lines, dots: &dots, dot_mm, area };
     let places = obstacles.place(&widths, height, 0.3 * height);
-    for ((_, text), place) in view.joints.iter().zip(places) {
+    for ((_, text), place) in view.joints.iter().zip(&places) {
         let (at, colour) = (place.min, Colour::INK);
         canvas.text(Text { at, align: Align::Left, height_mm: height, colour, text });
+    }
+    (dots.iter().map(|dot| Rect { min: *dot, max: *dot }.grown(dot_mm)).chain(places).collect(), height)
+}
+
+/// The point of a polyline so far from its start, mm.
+fn along(points: &[P2], mut way_mm: f64) -> P2 {
+    for w in points.windows(2) {
+        let long = (w[1] - w[0]).norm();
+        if way_mm <= long && long > 0.0 {
+            return w[0] + (w[1] - w[0]) * (way_mm / long);
+        }
+        way_mm -= long;
+    }
+    points[points.len() - 1]
+}
+
+/// Where along a section its number may stand, the best place first, as shares of its length.
+const NUMBER_SHARES: [f64; 7] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.22, 0.78];
+
+/// Puts every section's number on it, off what is `taken` where there is a place. A short section gets a small one.
+fn draw_section_numbers(canvas: &mut Canvas, view: &PartView, mut taken: Vec<Rect>, highest_mm: f64) {
+    for (number, section) in view.ruffle.sections.iter().enumerate() {
+        let points = points(view, section);
+        let text = number.to_string();
+        let long: f64 = points.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
+        let height = (0.12 * long).clamp(0.6 * highest_mm, highest_mm);
+        let half = V2::new(0.5 * text_width(&text, height), 0.5 * height);
+        let place = |share: f64| {
+            let at = along(&points, share * long);
+            Rect { min: at - half, max: at + half }.grown(0.3 * height)
+        };
+        let free = |rect: &Rect| !taken.iter().any(|t| t.overlaps(rect));
+        let rect = NUMBER_SHARES.map(place).into_iter().find(free).unwrap_or_else(|| place(0.5));
+        canvas.frame(&rect, Some(Colour::WHITE), Some(Stroke::new(Colour::GREY, 0.07 * highest_mm)));
+        let at = rect.min + V2::repeat(0.3 * height);
+        canvas.text(Text { at, align: Align::Left, height_mm: height, colour: Colour::BLUE, text: &text });
+        taken.push(rect);
     }
 }
 
@@ -92,9 +178,18 @@ fn nearest_pair(points: &[P2]) -> Option<f64> {
     pairs.min_by(f64::total_cmp)
 }
 
+/// What the numbers are.
+const NUMBERS: &str = "numbers at dots: joints, in boxes: sections";
+/// What the bands are.
+const LEGEND: [&str; 3] = ["densified once", "densified twice", "densified three times or more"];
+/// Room for a sample of a band before its line.
+const SWATCH: f64 = 6.0;
+
 /// What stands under the picture: the name and its figures on the left, the scale bar on the right.
 struct Foot<'a> {
     lines: Vec<Text<'a>>,
+    /// What the bands mean: one line of `lines` each, from the end; an index into [`Colour::DENSITY`].
+    bands: Vec<usize>,
     bar: [P2; 2],
     bar_text: String,
     unit: f64,
@@ -103,24 +198,43 @@ struct Foot<'a> {
 impl<'a> Foot<'a> {
     fn new(view: &'a PartView, picture: &Rect, unit: f64) -> Foot<'a> {
         let bar_mm = round_length(0.3 * picture.width());
+        let levels = (0..view.ruffle.sections.len()).map(|s| view.ruffle.densified.level(s));
+        let deepest = levels.max().unwrap_or(0).min(LEGEND.len());
+        let bands: Vec<usize> = (0..deepest).collect();
         let words = std::iter::once((view.name, TITLE, Colour::INK))
-            .chain(view.caption.iter().map(|line| (line.as_str(), CAPTION, Colour::GREY)));
+            .chain(view.caption.iter().map(|line| (line.as_str(), CAPTION, Colour::GREY)))
+            .chain(std::iter::once((NUMBERS, CAPTION, Colour::GREY)))
+            .chain(bands.iter().map(|band| (LEGEND[*band], CAPTION, Colour::GREY)));
         let words: Vec<_> = words.filter(|(text, ..)| !text.is_empty()).collect();
+        let indent = |k: usize| if k + bands.len() >= words.len() { SWATCH * unit } else { 0.0 };
         // A narrow part gets a page wide enough for its caption and the bar side by side.
-        let caption_mm = words.iter().map(|(text, size, _)| text_width(text, size * unit)).fold(0.0, f64::max);
+        let caption_mm =
+            words.iter().map(|(text, size, _)| text_width(text, size * unit) + SWATCH * unit).fold(0.0, f64::max);
         let gap = if words.is_empty() { 0.0 } else { 6.0 * unit };
         let inside = (picture.width() - 2.0 * MARGIN * unit).max(caption_mm + gap + bar_mm);
         let [left, right] = [-0.5, 0.5].map(|side| picture.center().x + side * inside);
 
         let mut y = picture.min.y;
         let mut lines = Vec::new();
-        for (text, size, colour) in words {
+        for (k, (text, size, colour)) in words.iter().copied().enumerate() {
             y -= size * unit;
-            lines.push(Text { at: P2::new(left, y), align: Align::Left, height_mm: size * unit, colour, text });
+            lines.push(Text {
+                at: P2::new(left + indent(k), y),
+                align: Align::Left,
+                height_mm: size * unit,
+                colour,
+                text,
+            });
             y -= 0.95 * CAPTION * unit;
         }
         let at = P2::new(right, picture.min.y - TITLE * unit);
-        Foot { lines, bar: [at - V2::new(bar_mm, 0.0), at], bar_text: format!("{} mm", svg_number(bar_mm)), unit }
+        Foot {
+            lines,
+            bar: [at - V2::new(bar_mm, 0.0), at],
+            bar_text: format!("{} mm", svg_number(bar_mm)),
+            bands,
+            unit,
+        }
     }
 
     /// The page: the picture and the foot with a margin around them.
@@ -137,6 +251,13 @@ impl<'a> Foot<'a> {
         let unit = self.unit;
         for line in &self.lines {
             canvas.text(*line);
+        }
+        let first = self.lines.len() - self.bands.len();
+        for (line, band) in self.lines[first..].iter().zip(&self.bands) {
+            let y = line.at.y + 0.5 * line.height_mm;
+            let swatch = [-SWATCH + 0.5 * BAND, -0.3 * SWATCH].map(|x| P2::new(line.at.x + x * unit, y));
+            canvas.polyline(&swatch, Stroke::new(Colour::DENSITY[*band], BAND * unit));
+            canvas.polyline(&swatch, Stroke::new(Colour::INK, INNER * unit));
         }
         let [a, b] = self.bar;
         let tick = V2::new(0.0, 0.8 * unit);
@@ -156,7 +277,7 @@ fn round_length(limit_mm: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ruffle::{Node, Section};
+    use crate::ruffle::{Densification, Densified, Node};
     use tiny_skia::Pixmap;
 
     /// A 60 x 40 mm box with a strip that runs along the floor, up the right side, back, and down the left side onto its start; the way
@@ -165,7 +286,7 @@ mod tests {
         let p = |(x, y)| P2::new(x, y);
         let corners = [(0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)].map(p).to_vec();
         let positions = [(2.0, 2.0), (58.0, 2.0), (58.0, 30.0), (2.0, 30.0)].map(p).to_vec();
-        let section = |role, k| Section { role, first_segment: k, end_segment: k + 1 };
+        let section = |role, k| Section { role, first_segment: k, end_segment: k + 1, pinned: false };
         let ruffle = Ruffle {
             node_count: 4,
             walk: [0, 1, 2, 3, 0].map(Node).to_vec(),
@@ -177,7 +298,10 @@ mod tests {
                 section(Role::Outer, 3),
             ],
             foot: [Node(0), Node(1)],
-            densified: Default::default(),
+            densified: Densified {
+                made: vec![Densification { first_section: 2, end_section: 4, role: Role::Outer, length_mm: 84.0 }],
+                midpoints: Vec::new(),
+            },
         };
         (Outline { outer: corners, holes: Vec::new() }, ruffle, positions)
     }
@@ -204,9 +328,11 @@ mod tests {
         assert_eq!(pixmap.width().max(pixmap.height()), 2000);
         let at = |x, y| colour_at(&canvas, &pixmap, (x, y));
         assert_eq!(at(30.0, 15.0), Colour::REGION);
-        assert_eq!(at(30.0, 2.0), Colour::INK);
-        assert_eq!(at(58.0, 15.0), Colour::INK);
-        assert_eq!(at(30.0, 30.0), Colour::DENSE);
+        assert_eq!(at(15.0, 2.0), Colour::INK);
+        assert_eq!(at(58.0, 10.0), Colour::INK);
+        // Off the section's number, on the band and on the line.
+        assert_eq!(at(15.0, 30.35), Colour::DENSITY[0]);
+        assert_eq!(at(15.0, 30.0), Colour::INK);
         assert_eq!(at(2.0, 2.0), Colour::RED);
         assert_eq!(at(30.0, 42.0), Colour::WHITE);
     }
@@ -219,7 +345,8 @@ mod tests {
             drawn.filter_map(|s| s.stroke).filter(|s| s.colour == colour).map(|s| s.width_mm).collect()
         };
         let ink = widths(Colour::INK);
-        assert!(ink[0] < ink[1] && widths(Colour::DENSE).len() == 1, "{ink:?}");
+        let bands = widths(Colour::DENSITY[0]);
+        assert!(ink[0] < ink[2] && bands.iter().filter(|w| **w > ink[2]).count() >= 2, "{ink:?} {bands:?}");
     }
 
     #[test]

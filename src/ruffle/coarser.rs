@@ -35,7 +35,7 @@ impl Ruffle {
                     next += usize::from(due);
                 }
             }
-            sections.push(Section { role: section.role, first_segment, end_segment: kept.len() - 1 });
+            sections.push(Section { first_segment, end_segment: kept.len() - 1, ..section.clone() });
         }
         let mut number = vec![None; self.node_count];
         let mut nodes = Vec::new();

@@ -54,13 +54,14 @@ impl Curve {
         })
     }
 
-    /// A loop from `from` to `to` that leaves and arrives along `out` and reaches `reach` beyond the middle of its ends. A cubic reaches
-    /// three quarters of its handles; unequal ends get handles that bring both to the same extent.
-    pub fn loop_beyond(from: P2, to: P2, out: V2, reach: f64) -> Curve {
+    /// A loop between two points that leaves along the first direction, comes back against the second, and reaches `reach` beyond the middle of its ends. A cubic
+    /// reaches three quarters of its handles; unequal ends get handles that bring both to the same extent.
+    pub fn loop_beyond([from, to]: [P2; 2], [leave, back]: [V2; 2], reach: f64) -> Curve {
+        let out = (leave + back).try_normalize(1e-9).unwrap_or(leave);
         let lead = (to - from).dot(&out);
         let least = reach / 4.0 + 1.0;
         let handle = |r: f64| 4.0 / 3.0 * r.max(least);
-        Curve::bezier(from, from + out * handle(reach + lead / 2.0), to + out * handle(reach - lead / 2.0), to)
+        Curve::bezier(from, from + leave * handle(reach + lead / 2.0), to + back * handle(reach - lead / 2.0), to)
     }
 
     /// The half circle over `from` and `to` on the side of `out`.

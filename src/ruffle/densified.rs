@@ -30,3 +30,10 @@ pub struct Densified {
     /// Nodes at which a section was divided in two so that little loops hold on to its middle.
     pub midpoints: Vec<Node>,
 }
+
+impl Densified {
+    /// How often a section was densified: how many densifications it lies in.
+    pub fn level(&self, section: usize) -> usize {
+        self.made.iter().filter(|m| m.sections().contains(&section)).count()
+    }
+}

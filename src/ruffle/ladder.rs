@@ -4,10 +4,10 @@ use super::curve::{Curve, segments_for};
 use super::{Densified, Drawn, Node, Role, Ruffle, Section};
 use crate::geom::{P2, V2};
 
-/// Shortest rung, mm: a flap's neck with room at both sides.
-pub(super) const MIN_RUNG_MM: f64 = 10.0;
 /// How far a rung's ends draw back from the outline, in layer heights: the room its loops bulge into.
 const LOOP_REACH: f64 = 0.4;
+/// Layers higher than this share of their width draw back as if they were no higher.
+const DRAWN_BACK_ASPECT: f64 = 0.6;
 
 /// The part of the outline that one layer fills, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,9 +27,45 @@ struct Rung {
     reach: [f64; 2],
 }
 
-/// Draws the strip through `slabs`, lowest first, in segments of about `segment_mm`.
-pub(super) fn thread_slabs(slabs: &[Slab], segment_mm: f64) -> Drawn {
-    thread(&rungs(slabs), segment_mm, Curve::loop_beyond)
+impl Rung {
+    /// The direction from its left end to its right.
+    fn along(&self) -> V2 {
+        (self.right - self.left).normalize()
+    }
+}
+
+/// How finely and how short the strip is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Drawing {
+    /// Length of a segment, mm, about.
+    pub segment_mm: f64,
+    /// Shortest rung, mm.
+    pub min_rung_mm: f64,
+}
+
+/// Draws the strip through `slabs`, lowest first; `place` takes every point from where the slabs are to where they are drawn.
+pub(super) fn thread_slabs(slabs: &[Slab], drawing: Drawing, place: &dyn Fn(P2) -> P2) -> Drawn {
+    let mut rungs = rungs(slabs, drawing.min_rung_mm);
+    for rung in &mut rungs {
+        (rung.left, rung.right) = (place(rung.left), place(rung.right));
+    }
+    let mut drawn = thread(&rungs, drawing.segment_mm, Curve::loop_beyond);
+    drawn.ruffle.foot = foot(&drawn);
+    drawn
+}
+
+/// The two connection points that a stack stands on: the ends of its lowest rung, or, where layers stand side by side, the lower ends of the first and the last.
+fn foot(drawn: &Drawn) -> [Node; 2] {
+    let ends = |section: usize| {
+        let (a, b) = drawn.ruffle.section_ends(section);
+        (a, b, drawn.positions[a.index()], drawn.positions[b.index()])
+    };
+    let (left, right, from, to) = ends(0);
+    if (to.y - from.y).abs() <= (to.x - from.x).abs() {
+        return [left, right];
+    }
+    let lower = |(a, b, from, to): (Node, Node, P2, P2)| if from.y <= to.y { a } else { b };
+    [lower(ends(0)), lower(ends(drawn.ruffle.sections.len() - 1))]
 }
 
 /// A stack of equal layers, as the paper's load tests fold it (figure 21): rungs `inner_mm` long, `layer_mm` apart, joined by half circles. The first rung
@@ -40,12 +76,12 @@ pub fn uniform_stack(layers: usize, layer_mm: f64, inner_mm: f64, segment_mm: f6
         Rung { left: P2::new(0.0, v), right: P2::new(inner_mm, v), reach: [0.5 * layer_mm; 2] }
     };
     let rungs: Vec<Rung> = (0..=layers.max(1)).map(rung).collect();
-    thread(&rungs, segment_mm, |from, to, out, _| Curve::half_circle(from, to, out))
+    thread(&rungs, segment_mm, |[from, to], [out, _], _| Curve::half_circle(from, to, out))
 }
 
 /// Rungs between slabs, drawn back from the outline so that the loops have room.
-fn rungs(slabs: &[Slab]) -> Vec<Rung> {
-    let draw_back = |s: &Slab| LOOP_REACH * (s.top - s.bottom).min(0.6 * (s.right - s.left));
+fn rungs(slabs: &[Slab], min_rung_mm: f64) -> Vec<Rung> {
+    let draw_back = |s: &Slab| LOOP_REACH * (s.top - s.bottom).min(DRAWN_BACK_ASPECT * (s.right - s.left));
     let n = slabs.len();
     let mut rungs: Vec<Rung> = (0..=n)
         .map(|i| {
@@ -55,10 +91,10 @@ fn rungs(slabs: &[Slab]) -> Vec<Rung> {
             let right = (below.right - draw_back(below)).min(above.right - draw_back(above));
             let middle = 0.5 * (below.left.max(above.left) + below.right.min(above.right));
             let level = if i == n { slabs[n - 1].top } else { slabs[i].bottom };
-            let (left, right) = if right - left >= MIN_RUNG_MM {
+            let (left, right) = if right - left >= min_rung_mm {
                 (left, right)
             } else {
-                (middle - 0.5 * MIN_RUNG_MM, middle + 0.5 * MIN_RUNG_MM)
+                (middle - 0.5 * min_rung_mm, middle + 0.5 * min_rung_mm)
             };
             Rung { left: P2::new(left, level), right: P2::new(right, level), reach: [0.0; 2] }
         })
@@ -74,10 +110,12 @@ fn rungs(slabs: &[Slab]) -> Vec<Rung> {
     rungs
 }
 
-/// Threads the strip through the ladder; `side` draws a loop from one rung's end to the next's, outward along a direction, reaching so far.
-fn thread(rungs: &[Rung], segment_mm: f64, side: fn(P2, P2, V2, f64) -> Curve) -> Drawn {
+/// Draws a loop between two points, outward along a direction at each, reaching so far.
+type Side = fn([P2; 2], [V2; 2], f64) -> Curve;
+
+/// Threads the strip through the ladder.
+fn thread(rungs: &[Rung], segment_mm: f64, side: Side) -> Drawn {
     let mut weaver = Weaver { segment_mm, ..Weaver::default() };
-    let right = V2::new(1.0, 0.0);
     let rung = |r: &Rung| Curve::line(r.left, r.right);
     let mut left_node = weaver.start(rungs[0].left);
     let mut right_node = weaver.section(&rung(&rungs[0]), Role::Inner, None);
@@ -85,22 +123,17 @@ fn thread(rungs: &[Rung], segment_mm: f64, side: fn(P2, P2, V2, f64) -> Curve) -
     let last = rungs.len() - 2;
     for (i, pair) in rungs.windows(2).enumerate() {
         let (low, high) = (&pair[0], &pair[1]);
-        let next_right = weaver.section(&side(low.right, high.right, right, low.reach[1]), Role::Outer, None);
+        let out = [low.along(), high.along()];
+        let right = side([low.right, high.right], out, low.reach[1]);
+        let next_right = weaver.section(&right, Role::Outer, None);
         weaver.section(&Curve::line(high.right, low.left), Role::Inner, Some(left_node));
-        left_node = weaver.section(&side(low.left, high.left, -right, low.reach[0]), Role::Outer, None);
+        let left = side([low.left, high.left], out.map(|o| -o), low.reach[0]);
+        left_node = weaver.section(&left, Role::Outer, None);
         let role = if i == last { Role::Outer } else { Role::Inner };
         right_node = weaver.section(&rung(high), role, Some(next_right));
     }
     debug_assert_eq!(right_node, weaver.walk[weaver.walk.len() - 1]);
-    let ruffle = Ruffle {
-        node_count: weaver.positions.len(),
-        walk: weaver.walk,
-        rest_lengths: weaver.rest_lengths,
-        sections: weaver.sections,
-        foot,
-        densified: Densified::default(),
-    };
-    Drawn { ruffle, positions: weaver.positions }
+    weaver.drawn(foot)
 }
 
 /// Collects sections into a ruffle.
@@ -138,8 +171,20 @@ impl Weaver {
         self.walk.push(end);
         let first_segment = self.rest_lengths.len();
         self.rest_lengths.extend(std::iter::repeat_n(length / n as f64, n));
-        self.sections.push(Section { role, first_segment, end_segment: self.rest_lengths.len() });
+        self.sections.push(Section { role, first_segment, end_segment: self.rest_lengths.len(), pinned: false });
         end
+    }
+
+    fn drawn(self, foot: [Node; 2]) -> Drawn {
+        let ruffle = Ruffle {
+            node_count: self.positions.len(),
+            walk: self.walk,
+            rest_lengths: self.rest_lengths,
+            sections: self.sections,
+            foot,
+            densified: Densified::default(),
+        };
+        Drawn { ruffle, positions: self.positions }
     }
 }
 

@@ -48,21 +48,13 @@ pub fn load_test(strip: Strip, segment_mm: f64) -> Result<Drawn, EditError> {
         return Ok(plain);
     }
     let settings = EditSettings { segment_mm, limits: Limits::default() };
-    let mut dense = plain;
-    // From the top, so that the sections below keep their numbers.
-    for layer in (0..LAYERS).rev() {
-        for side in [3, 1] {
-            dense = densify(&dense, 4 * layer + side, &settings)?;
-        }
-    }
+    let loops: Vec<usize> = (0..LAYERS).flat_map(|layer| [4 * layer + 1, 4 * layer + 3]).collect();
+    let mut dense = densify(&plain, &loops, 1, &settings)?;
     for section in 0..dense.ruffle.sections.len() {
         if dense.ruffle.sections[section].role == Role::Inner {
             let length_mm = DENSE_INNER * dense.ruffle.section_length(section);
             dense = set_length(&dense, section, length_mm, &settings)?;
         }
     }
-    // Drawn as long as it is at rest, so that a foot held where it is drawn does not stretch its rung.
-    let squeeze = |u: f64| if u < 0.0 { u } else { u - (1.0 - DENSE_INNER) * u.min(INNER_MM) };
-    dense.positions.iter_mut().for_each(|p| p.x = squeeze(p.x));
     Ok(dense)
 }

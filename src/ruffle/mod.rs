@@ -3,13 +3,16 @@
 //! A ruffle holds no positions; those live in an equilibrium. It is a walk over node ids: wherever the walk meets a node it has met
 //! before (or ends on one), the strip touches itself there, and that node is a connection point.
 
+mod centreline;
 mod check;
 mod chords;
 mod coarser;
 mod curve;
 mod densified;
+mod direction;
 mod edit;
 mod ladder;
+mod layers;
 mod load_test;
 mod packed;
 mod stack;
@@ -17,11 +20,13 @@ mod stack;
 pub use check::Flaw;
 pub use coarser::Coarser;
 pub use densified::{Densification, Densified};
+pub use direction::{Direction, suited_direction};
 pub use edit::{
-    EditError, EditSettings, Limits, densify, insert_layer, layer_count, merge_segments, remove_layer, set_length,
-    split_segments, undensify,
+    EditError, EditSettings, Limits, densify, insert_layer, layer_count, loops, merge_segments, move_joint,
+    remove_layer, set_length, split_layer, split_segments, undensify,
 };
 pub use ladder::uniform_stack;
+pub use layers::Layer;
 pub use load_test::{Strip, load_test};
 pub use stack::{Drawn, Layering, StackError, StackSettings, draw_stack};
 
@@ -60,6 +65,8 @@ pub struct Section {
     pub first_segment: usize,
     /// One past the last segment.
     pub end_segment: usize,
+    /// Its length was given by hand: filling leaves it alone.
+    pub pinned: bool,
 }
 
 impl Section {

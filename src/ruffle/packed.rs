@@ -1,6 +1,6 @@
 //! Layers as the rectangles that together fill most of an outline.
 
-use super::ladder::{MIN_RUNG_MM, Slab};
+use super::ladder::Slab;
 use super::stack::{MIN_CHORD_MM, StackError, StackSettings, layer_count, too_small};
 use crate::cut::Outline;
 
@@ -67,7 +67,7 @@ pub(super) fn slabs(outline: &Outline, min_aspect: f64, settings: &StackSettings
                 let below = stacks[n - 1][from]?;
                 let shared = band.right.min(below.band.right) as f64 - band.left.max(below.band.left) as f64;
                 // Neighbouring layers share a rung.
-                let joined = shared * raster.cell_mm >= MIN_RUNG_MM;
+                let joined = shared * raster.cell_mm >= settings.min_rung_mm;
                 joined.then_some(Step { score: below.score + band.score, from, band })
             });
             candidates.max_by(|a, b| a.score.total_cmp(&b.score))

@@ -11,7 +11,8 @@
 //!      L0                R0
 //! ```
 
-use super::ladder::{MIN_RUNG_MM, Slab, thread_slabs};
+use super::direction::{Direction, unrolled};
+use super::ladder::{Drawing, Slab, thread_slabs};
 use super::{Ruffle, chords, packed};
 use crate::cut::Outline;
 use crate::geom::P2;
@@ -35,6 +36,8 @@ pub enum Layering {
 /// How a stack is drawn into an outline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StackSettings {
+    /// Which way layers lie on each other.
+    pub direction: Direction,
     /// How the outline is divided.
     pub layering: Layering,
     /// Number of layers; `None` chooses it from the outline.
@@ -43,6 +46,8 @@ pub struct StackSettings {
     pub min_layer_mm: f64,
     /// Thickest layer, mm; where the outline is wide it may be exceeded if few layers are asked for.
     pub max_layer_mm: f64,
+    /// Shortest rung, mm: a flap's neck with room at both sides.
+    pub min_rung_mm: f64,
     /// Length of a segment, mm, about: sections are divided evenly.
     pub segment_mm: f64,
 }
@@ -50,17 +55,19 @@ pub struct StackSettings {
 impl Default for StackSettings {
     fn default() -> Self {
         StackSettings {
+            direction: Direction::Vertical,
             layering: Layering::Chords { aspect: 0.35 },
             layers: None,
             min_layer_mm: 12.0,
             max_layer_mm: 45.0,
+            min_rung_mm: 10.0,
             segment_mm: 3.0,
         }
     }
 }
 
 /// Narrower than this, in mm, an outline holds no layer.
-pub(super) const MIN_CHORD_MM: f64 = 2.0 * MIN_RUNG_MM;
+pub(super) const MIN_CHORD_MM: f64 = 20.0;
 
 /// Why no stack could be drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -79,6 +86,9 @@ pub enum StackError {
         /// Least width.
         min_chord_mm: f64,
     },
+    /// An outline without a line to follow.
+    #[error("the outline has no middle line that layers could follow; stack them vertically or horizontally")]
+    NoCurve,
     /// A layer count that does not fit.
     #[error(
         "{layers} layers do not go into an outline {height_mm:.1} mm high: a layer is at least {min_layer_mm:.0} mm, or its loops crease and nobody reaches the flaps. At most {most} fit"
@@ -104,13 +114,15 @@ pub struct Drawn {
     pub positions: Vec<P2>,
 }
 
-/// Draws a stack of vertical layers into `outline`.
+/// Draws a stack of layers into `outline`.
 pub fn draw_stack(outline: &Outline, settings: &StackSettings) -> Result<Drawn, StackError> {
+    let unrolled = unrolled(outline, settings.direction)?;
     let slabs: Vec<Slab> = match settings.layering {
-        Layering::Chords { aspect } => chords::slabs(outline, aspect, settings)?,
-        Layering::Packed { min_aspect } => packed::slabs(outline, min_aspect, settings)?,
+        Layering::Chords { aspect } => chords::slabs(&unrolled.outline, aspect, settings)?,
+        Layering::Packed { min_aspect } => packed::slabs(&unrolled.outline, min_aspect, settings)?,
     };
-    Ok(thread_slabs(&slabs, settings.segment_mm))
+    let drawing = Drawing { segment_mm: settings.segment_mm, min_rung_mm: settings.min_rung_mm };
+    Ok(thread_slabs(&slabs, drawing, &unrolled.place))
 }
 
 /// The error for an outline that holds no layer.

@@ -35,7 +35,8 @@ fn solver(ruffle: &Ruffle, material: &Material, supports: &Supports, settings: &
 
 fn chain(walk: Vec<u32>, rest_lengths: Vec<f64>) -> Ruffle {
     let node_count = walk.iter().max().map_or(0, |last| *last as usize + 1);
-    let sections = vec![Section { role: Role::Outer, first_segment: 0, end_segment: rest_lengths.len() }];
+    let sections =
+        vec![Section { role: Role::Outer, first_segment: 0, end_segment: rest_lengths.len(), pinned: false }];
     Ruffle {
         node_count,
         walk: walk.into_iter().map(Node).collect(),

@@ -5,6 +5,7 @@
 //! minimum of the energy; every term has an exact gradient and Hessian. A plate with a dead load may lie on top.
 
 mod air;
+mod anchors;
 mod barrier;
 mod ccd;
 #[cfg(test)]

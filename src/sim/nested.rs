@@ -73,6 +73,9 @@ impl Solver {
         for (node, load_n) in self.system.model.loads_n().iter().enumerate() {
             solver.system.model.add_load(nearest[node].index(), *load_n);
         }
+        let anchors = &self.system.anchors;
+        let held: Vec<_> = anchors.targets.iter().map(|(node, target)| (nearest[*node], *target)).collect();
+        solver.anchor(&held, anchors.stiffness_n_per_mm)?;
         solver.press(self.system.plate.load_n())?;
         Ok(solver)
     }

@@ -1,5 +1,6 @@
 //! Newton's method with a floor, among sheets that may not pass through each other.
 
+use super::anchors::Anchors;
 use super::contact_model::ContactModel;
 use super::model::Model;
 use super::plate::Plate;
@@ -15,6 +16,7 @@ pub(super) struct System {
     pub model: Model,
     pub contacts: ContactModel,
     pub plate: Plate,
+    pub anchors: Anchors,
     pub settings: Settings,
     /// Unknowns that never move.
     pub held: Vec<bool>,
@@ -92,6 +94,7 @@ impl System {
             model,
             contacts: ContactModel::new(settings.contact, ruffle),
             plate: Plate::new(ruffle.node_count),
+            anchors: Anchors::default(),
             settings: *settings,
             held,
             failure: None,
@@ -152,6 +155,7 @@ impl System {
         self.model.gradient(x, gradient);
         self.contacts.add_gradient(x, gradient);
         self.plate.add_gradient(x, gradient);
+        self.anchors.add_gradient(x, gradient);
         let mut residual = 0.0_f64;
         for (unknown, g) in gradient.iter().enumerate() {
             let on_floor = unknown % 2 == 1 && x[unknown / 2].y <= self.settings.floor_mm + FLOOR_REACH_MM && *g > 0.0;
@@ -165,7 +169,7 @@ impl System {
 
     /// Total energy, N mm.
     pub fn energy(&self, x: &[P2]) -> f64 {
-        self.model.energy(x) + self.contacts.energy(x) + self.plate.energy(x)
+        self.model.energy(x) + self.contacts.energy(x) + self.plate.energy(x) + self.anchors.energy(x)
     }
 
     /// One projected Newton step (two-metric projection, Bertsekas 1982, doi:10.1137/0320018): exact Hessian where it is positive definite, its convex part
@@ -206,15 +210,19 @@ impl System {
 
     /// Works out the direction of a step from `x`; false when the Hessian is not positive definite.
     fn newton_direction(&mut self, x: &[P2], convex: bool, damping_n_per_mm: f64) -> bool {
-        let Scratch { gradient, direction, hessian, fixed, .. } = &mut self.scratch;
+        let Scratch { hessian, fixed, .. } = &mut self.scratch;
         self.model.hessian(x, convex, hessian);
         self.contacts.add_hessian(x, convex, self.factorisation.pattern(), hessian);
         self.plate.add_hessian(x, self.factorisation.pattern(), hessian);
+        self.anchors.add_hessian(self.factorisation.pattern(), hessian);
         self.factorisation.pattern().damp(hessian, damping_n_per_mm);
         self.factorisation.pattern().fix(hessian, fixed);
-        if !self.factorisation.factor(hessian) {
-            return false;
-        }
+        self.factorisation.factor(hessian) && self.solve_direction(x)
+    }
+
+    /// Works out the direction against the gradient with the factor there is; false where it is not finite.
+    fn solve_direction(&mut self, x: &[P2]) -> bool {
+        let Scratch { gradient, direction, fixed, .. } = &mut self.scratch;
         for (unknown, d) in direction.iter_mut().enumerate() {
             *d = if fixed[unknown] { 0.0 } else { -gradient[unknown] };
         }
@@ -238,13 +246,22 @@ impl System {
         room.max(1.0)
     }
 
-    /// How the state of rest `x` answers a change of its gradient (N per unknown): minus the inverse of the exact Hessian, mm per unknown. Nothing where that is not
-    /// positive definite.
-    pub fn response(&mut self, x: &[P2], change: &[f64]) -> Result<Option<Vec<f64>>, Error> {
+    /// How the state of rest `x` answers changes of its gradient (N per unknown): minus the inverse of the exact Hessian, mm per unknown, for each of them. Nothing where that
+    /// is not positive definite.
+    pub fn responses(&mut self, x: &[P2], changes: &[Vec<f64>]) -> Result<Option<Vec<Vec<f64>>>, Error> {
         self.make_room(x)?;
         self.balance(x);
-        self.scratch.gradient.copy_from_slice(change);
-        Ok(self.newton_direction(x, false, 0.0).then(|| self.scratch.direction.clone()))
+        let mut responses = Vec::with_capacity(changes.len());
+        for change in changes {
+            self.scratch.gradient.copy_from_slice(change);
+            let solved =
+                if responses.is_empty() { self.newton_direction(x, false, 0.0) } else { self.solve_direction(x) };
+            if !solved {
+                return Ok(None);
+            }
+            responses.push(self.scratch.direction.clone());
+        }
+        Ok(Some(responses))
     }
 
     /// Follows `moves` (mm per node) from `x`, turning instead of stretching, and through nothing.

@@ -16,7 +16,7 @@ pub(super) fn cantilever(n: usize, length_mm: f64) -> (Ruffle, Vec<P2>, Supports
     let walk: Vec<Node> = (0..n as u32 + 2).map(Node).collect();
     let positions: Vec<P2> =
         std::iter::once(-clamp).chain((0..=n).map(|i| i as f64 * h)).map(|x| P2::new(x, 0.0)).collect();
-    let sections = vec![Section { role: Role::Outer, first_segment: 0, end_segment: n + 1 }];
+    let sections = vec![Section { role: Role::Outer, first_segment: 0, end_segment: n + 1, pinned: false }];
     let ruffle = Ruffle {
         node_count: n + 2,
         walk,
@@ -177,7 +177,8 @@ fn a_sheet_dropped_from_far_above_its_reach_lands_on_the_one_below() {
     let start: Vec<P2> = lower.chain(bend).chain(upper).collect();
     let walk: Vec<Node> = (0..start.len() as u32).map(Node).collect();
     let rest_lengths: Vec<f64> = start.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
-    let sections = vec![Section { role: Role::Outer, first_segment: 0, end_segment: rest_lengths.len() }];
+    let sections =
+        vec![Section { role: Role::Outer, first_segment: 0, end_segment: rest_lengths.len(), pinned: false }];
     let ruffle = Ruffle {
         node_count: start.len(),
         walk,
@@ -210,7 +211,7 @@ fn a_changed_ruffle_is_solved_warm_with_its_plate() {
     let before = solver.solve(&drawn.positions, &mut Quiet).unwrap();
     let settings = crate::ruffle::EditSettings { segment_mm: 3.0, limits: Default::default() };
     let settled = Drawn { ruffle: drawn.ruffle.clone(), positions: before.positions.clone() };
-    let denser = crate::ruffle::densify(&settled, 3, &settings).unwrap();
+    let denser = crate::ruffle::densify(&settled, &[3], 1, &settings).unwrap();
     let refused = solver.change(&denser.ruffle, &[60.0; 3], &supports(&denser));
     assert!(matches!(refused, Err(Error::Count { .. })) && solver.residual_n(&before.positions).unwrap() <= 1e-6);
     solver.change(&denser.ruffle, &widths(&denser), &supports(&denser)).unwrap();

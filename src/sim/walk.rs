@@ -108,7 +108,8 @@ mod tests {
 
     /// A strip of three sections over nodes that lie wherever the test puts them.
     fn strip() -> Walk {
-        let section = |first_segment, end_segment| Section { role: Role::Outer, first_segment, end_segment };
+        let section =
+            |first_segment, end_segment| Section { role: Role::Outer, first_segment, end_segment, pinned: false };
         Walk::new(&Ruffle {
             node_count: 5,
             walk: (0..5).map(Node).collect(),

@@ -27,6 +27,8 @@ pub enum Command {
     },
     /// Send one line by itself: a question or an order. [`Event::Answered`] follows, at once when nothing of it is to be sent.
     Line(String),
+    /// Ask the board all first questions again; [`Event::Ready`] follows, with its settings as they are now.
+    Ask,
     /// Seek the switches (`$H`).
     Home,
     /// Unlock after an alarm (`$X`).

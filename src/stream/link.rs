@@ -1,17 +1,25 @@
 //! A session on a thread of its own, with a port and the clock.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::event::{Action, Command, Event};
+use super::event::{Action, Command, Ending, Event, Outcome};
+use super::ledger::Progress;
 use super::port::Port;
+use super::realtime;
 use super::session::{Session, Settings};
+use super::trouble::Trouble;
 
 /// Bytes taken at once.
 const READ_BYTES: usize = 4096;
 
-/// The user's end of a running session. When it is dropped, a job that still runs is stopped in order: hold, rest, reset.
+/// Between the hold and the reset of a sender that has failed: from 10,000 mm/min at 500 mm/s2 a machine stands after a third of a second.
+const BRAKING: Duration = Duration::from_millis(400);
+
+/// The user's end of a running session. When it is dropped, by a panic too, a job that still runs is stopped in order: hold, rest, reset. Whatever
+/// ends the session by itself ends in [`Event::Ended`].
 pub struct Link {
     commands: Option<Sender<Command>>,
     events: Receiver<(Duration, Event)>,
@@ -60,8 +68,46 @@ impl Drop for Link {
     }
 }
 
-fn run(mut port: Box<dyn Port>, settings: Settings, asked: &Receiver<Command>, telling: &Sender<(Duration, Event)>) {
+/// Where events go: what happened, and when.
+type Telling = Sender<(Duration, Event)>;
+
+fn run(mut port: Box<dyn Port>, settings: Settings, asked: &Receiver<Command>, telling: &Telling) {
     let began = Instant::now();
+    let mut progress = Progress::default();
+    let served = catch_unwind(AssertUnwindSafe(|| serve(&mut *port, settings, began, asked, telling, &mut progress)));
+    if served.is_err() {
+        last_words(&mut *port);
+        let outcome = Outcome::Failed(Trouble::Broken);
+        let ending = Ending { outcome, progress, maybe: progress.sent, position_kept: false, beam_off: false };
+        for event in [Event::Trouble(Trouble::Broken), Event::Ended(ending)] {
+            tell(telling, began, event);
+        }
+    }
+}
+
+/// Nobody may be listening any more; the machine comes first.
+fn tell(telling: &Telling, began: Instant, event: Event) {
+    drop(telling.send((began.elapsed(), event)));
+}
+
+/// What a board is told when nothing of ours can be relied on: hold, and a moment later, at rest or not, reset. The beam is off then.
+fn last_words(port: &mut dyn Port) {
+    for (byte, wait) in [(realtime::HOLD, BRAKING), (realtime::RESET, Duration::ZERO)] {
+        // What failed may have been the port.
+        let _ = catch_unwind(AssertUnwindSafe(|| port.write(&[byte])));
+        std::thread::sleep(wait);
+    }
+}
+
+/// Serves until the user goes away or the port fails. `progress` is kept up before anything is written, so that it holds after a panic too.
+fn serve(
+    port: &mut dyn Port,
+    settings: Settings,
+    began: Instant,
+    asked: &Receiver<Command>,
+    telling: &Telling,
+    progress: &mut Progress,
+) {
     let mut session = Session::new(Duration::ZERO, settings);
     let mut buffer = [0; READ_BYTES];
     let mut closing = false;
@@ -84,18 +130,18 @@ fn run(mut port: Box<dyn Port>, settings: Settings, asked: &Receiver<Command>, t
             Err(e) => failure = Some(e),
         }
         actions.extend(session.on_tick(began.elapsed()));
+        *progress = session.progress();
         for action in actions {
             match action {
                 Action::Write(bytes) if failure.is_none() => failure = port.write(&bytes).err(),
                 Action::Write(_) => {}
-                // Nobody may be listening any more; the machine comes first.
-                Action::Event(event) => drop(telling.send((began.elapsed(), event))),
+                Action::Event(event) => tell(telling, began, event),
             }
         }
         if let Some(error) = failure {
             for action in session.on_link_lost(began.elapsed(), &error.to_string()) {
                 if let Action::Event(event) = action {
-                    drop(telling.send((began.elapsed(), event)));
+                    tell(telling, began, event);
                 }
             }
             return;
@@ -108,9 +154,7 @@ fn run(mut port: Box<dyn Port>, settings: Settings, asked: &Receiver<Command>, t
 
 #[cfg(test)]
 mod tests {
-    use super::super::event::Outcome;
     use super::super::port::MockPort;
-    use super::super::trouble::Trouble;
     use super::*;
     use std::io;
     use std::sync::{Arc, Mutex};
@@ -122,6 +166,44 @@ mod tests {
         to_say: Vec<u8>,
         held: bool,
         unplugged: bool,
+        /// Reads, or writes of lines, whichever is named, panic from now on.
+        panics: Option<&'static str>,
+    }
+
+    /// A port whose calls panic when the wire says so. The mock itself cannot be called again after a panic inside it.
+    struct Panicking(Box<MockPort>, Arc<Mutex<Wire>>);
+
+    impl Panicking {
+        fn panic_in(&self, what: &str) {
+            let panics = locked(&self.1).panics;
+            assert!(panics != Some(what), "as the test wants it");
+        }
+    }
+
+    impl Port for Panicking {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            self.panic_in("read");
+            self.0.read(buffer)
+        }
+
+        fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+            self.0.write(bytes)?;
+            if bytes.ends_with(b"\n") {
+                self.panic_in("write");
+            }
+            Ok(())
+        }
+    }
+
+    impl Wire {
+        fn realtime(&self) -> Vec<u8> {
+            self.told.iter().copied().filter(|b| matches!(b, b'!' | 0x18)).collect()
+        }
+    }
+
+    /// A panic while it is locked is the test's own.
+    fn locked(wire: &Mutex<Wire>) -> std::sync::MutexGuard<'_, Wire> {
+        wire.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
     /// A port to a board that answers at once and takes `line_ms` for every line.
@@ -131,7 +213,7 @@ mod tests {
         wire.lock().unwrap().to_say.extend(b"\r\nGrbl 1.1h ['$' for help]\r\n");
         port.expect_read().returning(move |buffer| {
             std::thread::sleep(Duration::from_micros(200));
-            let mut wire = reading.lock().unwrap();
+            let mut wire = locked(&reading);
             if wire.unplugged {
                 return Err(io::Error::other("unplugged"));
             }
@@ -141,7 +223,7 @@ mod tests {
             Ok(n)
         });
         port.expect_write().returning(move |bytes| {
-            let mut wire = writing.lock().unwrap();
+            let mut wire = locked(&writing);
             wire.told.extend(bytes);
             for byte in bytes {
                 match byte {
@@ -180,7 +262,7 @@ mod tests {
     }
 
     fn ready(wire: &Arc<Mutex<Wire>>, line_ms: u64) -> Link {
-        let link = Link::start(port(wire, line_ms), Settings::default());
+        let link = Link::start(Box::new(Panicking(port(wire, line_ms), Arc::clone(wire))), Settings::default());
         wait_for(&link, |e| matches!(e, Event::Ready(_)));
         wait_for(&link, |e| matches!(e, Event::Status(..)));
         link
@@ -212,9 +294,7 @@ mod tests {
         wait_for(&link, |e| matches!(e, Event::Status(_, progress) if progress.sent > 0));
         drop(link);
         drop(kept);
-        let realtime: Vec<u8> =
-            wire.lock().unwrap().told.iter().copied().filter(|b| matches!(b, b'!' | 0x18)).collect();
-        assert_eq!(realtime, [b'!', 0x18]);
+        assert_eq!(wire.lock().unwrap().realtime(), [b'!', 0x18]);
         assert_eq!(wire.lock().unwrap().told.last(), Some(&0x18), "the reset is the last word");
     }
 
@@ -228,5 +308,38 @@ mod tests {
         let Event::Ended(ending) = wait_for(&link, |e| matches!(e, Event::Ended(_))) else { unreachable!() };
         assert!(matches!(ending.outcome, Outcome::Failed(Trouble::Link(ref why)) if why == "unplugged"));
         assert!(!ending.beam_off && ending.maybe >= ending.progress.executed);
+    }
+
+    #[test]
+    fn a_panic_of_the_user_leaves_a_machine_that_was_held_and_reset() {
+        let wire: Arc<Mutex<Wire>> = Arc::default();
+        let link = ready(&wire, 2);
+        job(&link, 100_000);
+        wait_for(&link, |e| matches!(e, Event::Status(_, progress) if progress.sent > 0));
+        let panicked = std::thread::spawn(move || {
+            let _link = link;
+            panic!("as the test wants it");
+        });
+        assert!(panicked.join().is_err());
+        assert_eq!(locked(&wire).realtime(), [b'!', 0x18]);
+    }
+
+    #[test]
+    fn a_panic_of_the_sessions_own_thread_leaves_a_board_that_was_held_and_reset_and_says_so() {
+        for panics in ["read", "write"] {
+            let wire: Arc<Mutex<Wire>> = Arc::default();
+            let link = ready(&wire, 2);
+            job(&link, 100_000);
+            wait_for(&link, |e| matches!(e, Event::Status(_, progress) if progress.acked > 0));
+            locked(&wire).panics = Some(panics);
+            let Event::Ended(ending) = wait_for(&link, |e| matches!(e, Event::Ended(_))) else { unreachable!() };
+            assert_eq!(ending.outcome, Outcome::Failed(Trouble::Broken), "{panics}");
+            assert!(!ending.beam_off && !ending.position_kept && ending.account().contains("BY HAND"));
+            let told = locked(&wire).told.clone();
+            assert_eq!(locked(&wire).realtime(), [b'!', 0x18], "{panics}");
+            assert_eq!(told.last(), Some(&0x18), "{panics}: the reset is the last word");
+            let sent = String::from_utf8_lossy(&told).matches("G1X").count();
+            assert!(ending.maybe >= sent, "{panics}: {sent} lines went out: {ending:?}");
+        }
     }
 }

@@ -6,6 +6,8 @@
 //! moves --Extent--> Frame --lines--> a program            the border, to see where a job lies
 //! ```
 //!
+//! On Unix `ServedBoard` puts the emulated board behind a pseudo-terminal, so that any sender can be tried on it.
+//!
 //! [`Session`] has no clock, no port and no thread: it is told what came and when, and says what to write. Lines are counted into the board's receive
 //! buffer; each answer is matched to its line; a line that makes the board write its memory goes alone and at rest. Whatever goes wrong ends in a
 //! hold, a wait for rest and a reset, and in an account of which lines are carried out. The protocol is that of GRBL 1.1
@@ -15,11 +17,13 @@ mod advice;
 mod board;
 mod emulated;
 mod event;
+mod forecast;
 mod frame;
 mod jog;
 mod ledger;
 mod link;
 mod overrides;
+mod plan;
 mod port;
 mod preflight;
 mod realtime;
@@ -29,22 +33,26 @@ mod sendable;
 mod served;
 mod session;
 mod status;
+mod survey;
 mod trouble;
 mod window;
 
 pub use advice::{alarm_advice, error_advice};
 pub use board::Board;
 pub use event::{Action, Command, Ending, Event, Lines, Outcome};
+pub use forecast::{Forecast, Outlook};
 pub use frame::{Extent, Frame, Tracing};
 pub use jog::within_travel;
 pub use ledger::Progress;
 pub use link::Link;
+pub use plan::{Plan, Planned};
 pub use port::{Address, Listed, OpenError, Port, list_ports};
-pub use preflight::{Demand, Expected, Finding, Weight, header_value, preflight};
+pub use preflight::{Demand, Expected, Finding, Weight, preflight};
 pub use realtime::Override;
 pub use reply::Firmware;
 #[cfg(unix)]
 pub use served::ServedBoard;
 pub use session::{Session, Settings};
 pub use status::{State, Status};
+pub use survey::Survey;
 pub use trouble::Trouble;

@@ -16,6 +16,9 @@ const WRITE_WAIT: Duration = Duration::from_secs(1);
 /// How long a board on the network may take to be reached.
 const CONNECT_WAIT: Duration = Duration::from_secs(5);
 
+/// The fastest clock of an emulated board: a day's job in half a minute.
+const MAX_SPEED: u32 = 3000;
+
 /// Where telnet listens (FluidNC, grblHAL).
 const TELNET: u16 = 23;
 
@@ -42,8 +45,8 @@ pub enum Address {
     Device(PathBuf),
     /// A host and port on the network.
     Network(String, u16),
-    /// A board in the computer.
-    Emulator,
+    /// A board in the computer, whose clock runs so many times as fast as ours.
+    Emulator(u32),
 }
 
 /// A port that cannot be opened.
@@ -66,10 +69,12 @@ pub struct Listed {
 }
 
 impl Address {
-    /// Reads what users type: `emulator`, `tcp:HOST`, `tcp:HOST:PORT`, or the path of a device.
+    /// Reads what users type: `emulator`, `emulator:50x` (at 50 times the speed), `tcp:HOST`, `tcp:HOST:PORT`, or the path of a device.
     pub fn parse(text: &str) -> Address {
-        if text == "emulator" {
-            return Address::Emulator;
+        let times = |rest: &str| rest.strip_prefix(':')?.strip_suffix('x')?.parse().ok();
+        let speed = text.strip_prefix("emulator").and_then(|rest| if rest.is_empty() { Some(1) } else { times(rest) });
+        if let Some(speed) = speed.filter(|speed| (1..=MAX_SPEED).contains(speed)) {
+            return Address::Emulator(speed);
         }
         let Some(host) = text.strip_prefix("tcp:") else { return Address::Device(text.into()) };
         let host = host.trim_start_matches('/');
@@ -90,7 +95,7 @@ impl Address {
                 let opened = serialport::new(path.to_string_lossy(), baud).timeout(READ_WAIT).open();
                 Ok(Box::new(Serial(opened.map_err(|e| fail(device_reason(&e)))?)))
             }
-            Address::Emulator => Ok(Box::new(Emulated::new(READ_WAIT))),
+            Address::Emulator(speed) => Ok(Box::new(Emulated::new(READ_WAIT, *speed))),
             Address::Network(host, port) => {
                 let found = (host.as_str(), *port).to_socket_addrs().map_err(|e| fail(e.to_string()))?;
                 let mut reason = "no such host".to_owned();
@@ -110,7 +115,7 @@ impl fmt::Display for Address {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Address::Device(path) => write!(f, "{}", path.display()),
-            Address::Emulator => write!(f, "the emulator"),
+            Address::Emulator(_) => write!(f, "the emulator"),
             Address::Network(host, port) => write!(f, "tcp:{host}:{port}"),
         }
     }
@@ -212,6 +217,10 @@ mod tests {
         assert_eq!(Address::parse("tcp:fluidnc.local"), Address::Network("fluidnc.local".into(), 23));
         assert_eq!(Address::parse("tcp://10.0.0.7:8080"), Address::Network("10.0.0.7".into(), 8080));
         assert_eq!(Address::parse("tcp:h:1").to_string(), "tcp:h:1");
+        assert_eq!(["emulator", "emulator:50x"].map(Address::parse), [Address::Emulator(1), Address::Emulator(50)]);
+        for text in ["emulator:0x", "emulator:9999x", "emulator:fast", "emulators"] {
+            assert_eq!(Address::parse(text), Address::Device(text.into()));
+        }
     }
 
     #[test]

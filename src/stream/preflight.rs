@@ -56,33 +56,37 @@ pub struct Finding {
     pub fix: Option<String>,
 }
 
-impl Demand {
-    /// What these moves ask for. The first travel starts where the tool happens to stand, so only ends count.
-    pub fn of<'a>(moves: impl IntoIterator<Item = &'a Move>) -> Demand {
-        let mut demand = Demand { bounds: Rect::EMPTY, constant_beam: None, max_s: 0.0, ends_at_mm: None };
-        for m in moves {
-            if m.goes() {
-                demand.bounds = demand.bounds.with(m.to.xy());
-                if demand.ends_at_mm.is_some() {
-                    demand.bounds = demand.bounds.union(m.bounds());
-                }
-                demand.ends_at_mm = Some([m.to.x, m.to.y]);
-            }
-            if m.beam != Beam::Off {
-                demand.max_s = demand.max_s.max(m.power_s);
-            }
-            if m.burns() && m.beam == Beam::Constant {
-                demand.constant_beam.get_or_insert(m.line);
-            }
-        }
-        demand
+impl Default for Demand {
+    /// Nothing is asked for.
+    fn default() -> Demand {
+        Demand { bounds: Rect::EMPTY, constant_beam: None, max_s: 0.0, ends_at_mm: None }
     }
 }
 
-/// What a comment of a job file says under `key`: "; machine: diode-400" says "diode-400" of "machine".
-pub fn header_value<'a>(line: &'a str, key: &str) -> Option<&'a str> {
-    let (found, value) = line.trim().strip_prefix(';')?.split_once(':')?;
-    (found.trim() == key).then(|| value.trim())
+impl Demand {
+    /// What these moves ask for.
+    pub fn of<'a>(moves: impl IntoIterator<Item = &'a Move>) -> Demand {
+        let mut demand = Demand::default();
+        moves.into_iter().for_each(|m| demand.add(m));
+        demand
+    }
+
+    /// Takes the next move. The first travel starts where the tool happens to stand, so only its end counts.
+    pub fn add(&mut self, m: &Move) {
+        if m.goes() {
+            self.bounds = self.bounds.with(m.to.xy());
+            if self.ends_at_mm.is_some() {
+                self.bounds = self.bounds.union(m.bounds());
+            }
+            self.ends_at_mm = Some([m.to.x, m.to.y]);
+        }
+        if m.beam != Beam::Off {
+            self.max_s = self.max_s.max(m.power_s);
+        }
+        if m.burns() && m.beam == Beam::Constant {
+            self.constant_beam.get_or_insert(m.line);
+        }
+    }
 }
 
 /// Objections to sending a program to this board, refusals first. `made_for` is the machine the file names, when it names one.
@@ -258,8 +262,6 @@ mod tests {
 
     #[test]
     fn a_job_for_another_machine_is_refused() {
-        assert_eq!(header_value("; machine: k40 ", "machine"), Some("k40"));
-        assert_eq!(header_value("; material: paper", "machine"), None);
         assert_eq!(codes(&demand(JOB), Some("k40"), &good()), ["other-machine"]);
     }
 

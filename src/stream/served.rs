@@ -124,7 +124,8 @@ impl Shared {
                 let bytes = match at.take(&mut board, now_s) {
                     Ok(bytes) => bytes,
                     Err(_) => {
-                        terminal = None;
+                        // The new one is made while the old one still has its name: nobody takes one for the other.
+                        terminal = Terminal::new(&self.link).ok();
                         continue;
                     }
                 };

@@ -97,6 +97,9 @@ pub enum Trouble {
         "the board does not go into, stay in or leave check mode ($C) as GRBL does: it was reset, and the check says nothing"
     )]
     NoCheckMode,
+    /// A panic of ours.
+    #[error("the sender itself failed, which is a bug: the board was told to hold and reset")]
+    Broken,
     /// The program could not be read on.
     #[error("line {line} of the job cannot be read: {reason}")]
     Unreadable {

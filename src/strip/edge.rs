@@ -1,7 +1,8 @@
 //! The two long edges of a strip.
 
+use super::dovetail;
 use crate::fit::Part;
-use crate::geom::{P2, Path, closest_on_segment, cross};
+use crate::geom::{P2, Path, V2, closest_on_segment, cross};
 use std::ops::Range;
 
 /// How far the strip reaches across at every station, end tabs included.
@@ -69,23 +70,87 @@ impl Edges {
             .fold((f64::NEG_INFINITY, f64::INFINITY), |(lo, hi), (l, h)| (lo.max(l), hi.min(h)))
     }
 
-    /// The contour of the strip between two stations, counter-clockwise from its lower left corner.
-    pub fn contour(&self, range: Range<f64>) -> Path {
-        let inner = (0..self.stations.len())
-            .filter(|k| self.stations[*k] > range.start + SIMPLIFY_MM && self.stations[*k] < range.end - SIMPLIFY_MM);
-        let mut stations = vec![range.start];
-        stations.extend(inner.map(|k| self.stations[k]));
-        stations.push(range.end);
-        let lower: Vec<P2> = stations.iter().map(|s| P2::new(*s, self.at(*s).0)).collect();
-        let upper: Vec<P2> = stations.iter().rev().map(|s| P2::new(*s, self.at(*s).1)).collect();
-        let corners: Vec<P2> = simplified(&lower).into_iter().chain(simplified(&upper)).collect();
+    /// The contour of the strip between two stations, counter-clockwise from its lower left corner. Where an end meets the next piece side by side, it follows that line
+    /// (lower edge to upper) instead of running straight across. Notches are cut into its edges.
+    pub fn contour(&self, range: Range<f64>, lines: [Option<&[P2]>; 2], notches: &[Notch]) -> Path {
+        let [start_line, end_line] = lines;
+        let start = start_line.map_or(range.start, |l| l[0].x);
+        let end = end_line.map_or(range.end, |l| l[0].x);
+        let lower = self.rim(start..end, |s| self.at(s).0);
+        let upper = self.rim(start..end, |s| self.at(s).1);
+        let cut_into = |rim: Vec<P2>, upper: bool| {
+            // With its place along the edge: on a slope a notch's tip lies beyond its mouth.
+            let mut corners: Vec<(f64, Corner)> = rim.into_iter().map(|p| (p.x, Corner::Rim(p))).collect();
+            for notch in notches.iter().filter(|n| n.upper == upper) {
+                let [from, to] = [notch.at_mm - 0.5 * notch.width_mm, notch.at_mm + 0.5 * notch.width_mm];
+                corners.retain(|(s, _)| *s <= from || *s >= to);
+                let edge = |s: f64| if upper { self.at(s).1 } else { self.at(s).0 };
+                let [a, b] = [P2::new(from, edge(from)), P2::new(to, edge(to))];
+                // Square to the edge, into the strip: on a slope a notch straight across would be a step.
+                let along = (b - a).normalize();
+                let inward = if upper { V2::new(along.y, -along.x) } else { V2::new(-along.y, along.x) };
+                let own = [a, nalgebra::center(&a, &b) + inward * notch.depth_mm, b].map(Corner::Notch);
+                let place = corners.partition_point(|(s, _)| *s <= from);
+                corners.splice(place..place, [from, notch.at_mm, to].into_iter().zip(own));
+            }
+            corners.into_iter().map(|(_, corner)| corner).collect::<Vec<Corner>>()
+        };
+        let tails = |line: Option<&[P2]>| {
+            let inner = line.map_or(&[] as &[P2], |l| &l[1..l.len() - 1]);
+            inner.iter().copied().map(Corner::Tail).collect::<Vec<Corner>>()
+        };
+        let mut corners = cut_into(lower, false);
+        corners.extend(tails(end_line));
+        corners.extend(cut_into(upper, true).into_iter().rev());
+        corners.extend(tails(start_line).into_iter().rev());
         let n = corners.len();
         let radius = |i: usize| {
-            let (before, at, after) = (corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]);
-            if cross(at - before, after - at) < 0.0 { INNER_RADIUS_MM } else { 0.0 }
+            let [before, at, after] = [(i + n - 1) % n, i, (i + 1) % n].map(|k| corners[k].point());
+            match corners[i] {
+                Corner::Rim(_) if cross(at - before, after - at) < 0.0 => INNER_RADIUS_MM,
+                Corner::Tail(_) => dovetail::RADIUS_MM,
+                Corner::Rim(_) | Corner::Notch(_) => 0.0,
+            }
         };
-        let rounded: Vec<(P2, f64)> = (0..n).map(|i| (corners[i], radius(i))).collect();
+        let rounded: Vec<(P2, f64)> = (0..n).map(|i| (corners[i].point(), radius(i))).collect();
         Path::rounded(&rounded, true).deduplicated()
+    }
+
+    /// One edge between two stations, ascending, without corners that do not show.
+    fn rim(&self, range: Range<f64>, across: impl Fn(f64) -> f64) -> Vec<P2> {
+        let inside = |s: &f64| *s > range.start + SIMPLIFY_MM && *s < range.end - SIMPLIFY_MM;
+        let stations =
+            std::iter::once(range.start).chain(self.stations.iter().copied().filter(inside)).chain([range.end]);
+        let points: Vec<P2> = stations.map(|s| P2::new(s, across(s))).collect();
+        simplified(&points)
+    }
+}
+
+/// A V cut into an edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Notch {
+    /// Its middle along the strip, mm.
+    pub at_mm: f64,
+    /// At the edge, mm.
+    pub width_mm: f64,
+    /// Into the strip, mm.
+    pub depth_mm: f64,
+    /// In the upper edge, or in the lower.
+    pub upper: bool,
+}
+
+/// A corner of a contour, by what it belongs to: that decides how it is rounded.
+enum Corner {
+    Rim(P2),
+    Tail(P2),
+    Notch(P2),
+}
+
+impl Corner {
+    fn point(&self) -> P2 {
+        match self {
+            Corner::Rim(p) | Corner::Tail(p) | Corner::Notch(p) => *p,
+        }
     }
 }
 

@@ -1,178 +1,183 @@
-//! Dividing a strip that is longer than the stock. Neighbouring pieces overlap by a lap, which is glued or taped.
+//! Where a strip that is longer than the stock may be divided, and by what the pieces hold on to each other.
 
 use super::edge::Edges;
-use super::fasten::Fastening;
-use super::{Error, Settings, line};
-use crate::drawing::{DrawnPath, Role};
+use super::joint::Joint;
+use super::passage::{Half, Passage};
+use super::{Settings, dovetail};
 use crate::fit::Part;
-use crate::geom::{P2, Path};
 use crate::ruffle;
 use std::ops::Range;
 
-/// Splices may lie at stations this far apart, mm.
+/// How two pieces of one strip are joined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum SpliceKind {
+    /// Both ends overlap at a connection point, whose own flaps go through both. Where no connection point is near, a lap.
+    Connection,
+    /// Both ends overlap between two connection points and are held by flaps or holes of their own.
+    Lap,
+    /// Dovetails side by side, taped over.
+    DovetailTape,
+    /// Fingers side by side, glued or taped.
+    Finger,
+}
+
+/// How splices are made, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpliceSettings {
+    /// The kind that is wanted.
+    pub kind: SpliceKind,
+    /// How far the ends overlap at a connection point, centred on it.
+    pub connection_mm: f64,
+    /// How far they overlap in a lap.
+    pub lap_mm: f64,
+    /// From one row of a lap's flaps to the other.
+    pub rows_mm: f64,
+    /// Diameter of a lap's holes for thread, instead of flaps; `None` for flaps.
+    pub thread_hole_mm: Option<f64>,
+}
+
+/// Where two pieces of one strip are joined.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Splice {
+    /// How.
+    pub kind: SpliceKind,
+    /// The earlier piece and the later one.
+    pub pieces: [String; 2],
+    /// Where both are, mm along the strip.
+    pub stations_mm: Range<f64>,
+    /// Joints that hold it: that of the connection point, or the lap's own. None where it is taped or glued.
+    pub joints: Vec<String>,
+    /// Whether the later piece lies on the front of the earlier one, or behind it.
+    pub later_in_front: bool,
+}
+
+/// A place for a splice.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Spot {
+    /// Its middle, mm.
+    pub at_mm: f64,
+    /// How far both pieces reach beyond it, mm.
+    pub half_mm: f64,
+    /// What it costs, in pieces.
+    pub cost: f64,
+    /// How the pieces are joined there.
+    pub kind: SpliceKind,
+    /// For a splice at a connection point, its passage.
+    pub passage: Option<usize>,
+}
+
+/// Laps may lie at stations this far apart, mm.
 const STEP_MM: f64 = 0.5;
-/// A lap keeps this much from the cuts of a joint, mm, whatever else.
+/// A splice keeps this much from the cuts of other joints, mm, whatever else.
 const LEAST_CLEAR_MM: f64 = 1.0;
-/// What a lap costs, in pieces, where it lies on the crown of a loop: the doubled sheet flattens the bend.
-const CROWN_COST: f64 = 0.3;
-/// And where it comes closer to a joint than joints may to each other.
+/// What a splice costs, in pieces, where it comes closer to a joint than joints may to each other.
 const CROWDED_COST: f64 = 0.3;
-/// Pieces of equal length are easier to handle and to place: what a piece of the full length costs beyond one.
-const LENGTH_COST: f64 = 0.05;
+/// A pass that carries the flap: the end of the other piece lies between the flap and its partner, which is fiddly.
+const FLAP_PASS_COST: f64 = 0.4;
+/// A lap where splices at connection points are wanted: two more joints to close, and a stiff place in the middle of a section. One more piece is better.
+const LAP_COST: f64 = 2.0;
+/// The share of a loop about its middle that is its crown: a doubled sheet flattens the bend there.
+const CROWN_SHARE: f64 = 1.0 / 3.0;
 
-/// Stretches of the strip, one per piece, each at most `max_piece_mm` long; neighbours share the overlap. Fewest pieces first, then laps where they disturb
-/// least, then even lengths, by dynamic programming over the stations.
-pub(super) fn divide(
-    part: &Part,
-    edges: &Edges,
-    fastenings: &[Fastening],
-    settings: &Settings,
-) -> Result<Vec<Range<f64>>, Error> {
-    let whole = edges.range();
-    let (overlap, max) = (settings.splice_overlap_mm, settings.max_piece_mm);
-    if edges.length_mm() <= max {
-        return Ok(vec![whole]);
-    }
-    let least_mm = 2.0 * overlap + STEP_MM;
-    if max < least_mm {
-        return Err(Error::StockTooShort { part: part.name.clone(), max_piece_mm: max, least_mm });
-    }
-    let laps = lap_costs(part, edges, fastenings, settings);
-    let cuts = cheapest(&laps, whole.clone(), overlap, max).map_err(|(from_mm, to_mm)| Error::NoRoomForSplice {
-        part: part.name.clone(),
-        from_mm,
-        to_mm,
-        need_mm: overlap,
-        max_piece_mm: max,
-    })?;
-    let starts = std::iter::once(whole.start).chain(cuts.iter().map(|cut| cut - overlap / 2.0));
-    let ends = cuts.iter().map(|cut| cut + overlap / 2.0).chain(std::iter::once(whole.end));
-    Ok(starts.zip(ends).map(|(start, end)| start..end).collect())
+/// Everything that decides where splices go.
+pub(super) struct Places<'a> {
+    pub part: &'a Part,
+    pub edges: &'a Edges,
+    pub passages: &'a [Passage],
+    pub settings: &'a Settings,
 }
 
-/// Middles of the laps that divide `whole` most cheaply. Where there is no way, the stretch in which a lap would have to lie.
-fn cheapest(laps: &[(f64, f64)], whole: Range<f64>, overlap_mm: f64, max_mm: f64) -> Result<Vec<f64>, (f64, f64)> {
-    let half = overlap_mm / 2.0;
-    // A piece from one lap's middle to the next's; the strip's own ends have no lap.
-    let piece = |from: f64, to: f64| {
-        let start = if from == whole.start { from } else { from - half };
-        let end = if to == whole.end { to } else { to + half };
-        let length = end - start;
-        let fits = length <= max_mm && to - from > overlap_mm;
-        fits.then(|| 1.0 + LENGTH_COST * (length / max_mm).powi(2))
-    };
-    // best[k]: cost of everything before lap k, and the lap before it.
-    let mut best: Vec<Option<(f64, Option<usize>)>> = Vec::with_capacity(laps.len());
-    let before = |best: &[Option<(f64, Option<usize>)>], to: f64| {
-        let from_start = piece(whole.start, to).map(|cost| (cost, None));
-        let near = laps.partition_point(|lap| lap.0 < to - max_mm);
-        let from_laps = (near..best.len()).filter_map(|k| {
-            let (cost, _) = best[k]?;
-            Some((cost + laps[k].1 + piece(laps[k].0, to)?, Some(k)))
-        });
-        from_start.into_iter().chain(from_laps).min_by(|a, b| a.0.total_cmp(&b.0))
-    };
-    for (at, _) in laps {
-        let way = before(&best, *at);
-        best.push(way);
-    }
-    let Some((_, mut lap)) = before(&best, whole.end) else {
-        let reached = (0..laps.len()).rev().find(|k| best[*k].is_some()).map_or(whole.start, |k| laps[k].0);
-        return Err((reached, (reached + max_mm).min(whole.end)));
-    };
-    let mut cuts = Vec::new();
-    while let Some(k) = lap {
-        cuts.push(laps[k].0);
-        lap = best[k].and_then(|(_, previous)| previous);
-    }
-    cuts.reverse();
-    Ok(cuts)
-}
-
-/// Stations where a lap may lie, ascending, with what it costs there.
-fn lap_costs(part: &Part, edges: &Edges, fastenings: &[Fastening], settings: &Settings) -> Vec<(f64, f64)> {
-    let joints: Vec<Range<f64>> =
-        fastenings.iter().map(|f| f.bounds(&settings.joint)).map(|b| b.min.x..b.max.x).collect();
-    let stations = part.ruffle.stations();
-    let loops = part.ruffle.sections.iter().filter(|s| s.role == ruffle::Role::Outer);
-    let crowns: Vec<Range<f64>> = loops
-        .map(|s| {
-            let (from, to) = (stations[s.first_segment], stations[s.end_segment]);
-            let (middle, sixth) = (0.5 * (from + to), (to - from) / 6.0);
-            middle - sixth..middle + sixth
-        })
-        .collect();
-    let half = settings.splice_overlap_mm / 2.0;
-    let meets = |ranges: &[Range<f64>], at: f64, clear: f64| {
-        ranges.iter().any(|r| r.start - clear < at + half && r.end + clear > at - half)
-    };
-    let whole = edges.range();
-    let steps = (edges.length_mm() / STEP_MM) as usize;
-    (1..steps)
-        .map(|n| whole.start + n as f64 * STEP_MM)
-        .filter(|at| at - half > whole.start && at + half < whole.end && !meets(&joints, *at, LEAST_CLEAR_MM))
-        .map(|at| {
-            let crowded = meets(&joints, at, settings.joint.cut_distance_mm / 2.0);
-            let crown = meets(&crowns, at, 0.0);
-            (at, if crowded { CROWDED_COST } else { 0.0 } + if crown { CROWN_COST } else { 0.0 })
-        })
-        .collect()
-}
-
-/// Engraved lines on piece `i` that show where its neighbours end.
-pub(super) fn marks(edges: &Edges, ranges: &[Range<f64>], i: usize, overlap_mm: f64) -> Vec<DrawnPath> {
-    let mut stations = Vec::new();
-    if i > 0 {
-        stations.push(ranges[i].start + overlap_mm);
-    }
-    if i + 1 < ranges.len() {
-        stations.push(ranges[i].end - overlap_mm);
-    }
-    stations
-        .into_iter()
-        .map(|s| {
-            let (lo, hi) = edges.at(s);
-            line(Path::open([P2::new(s, lo), P2::new(s, hi)]), Role::Mark)
-        })
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn fewer_pieces_beat_better_places_and_better_places_beat_even_lengths() {
-        let free = |stations: &[(f64, f64)]| cheapest(stations, 0.0..100.0, 10.0, 60.0);
-        // Both in one lap: the dear place at 50 still saves a piece.
-        assert_eq!(free(&[(20.0, 0.0), (50.0, 0.3), (80.0, 0.0)]), Ok(vec![50.0]));
-        assert_eq!(free(&[(46.0, 0.3), (53.0, 0.0), (55.0, 0.0)]), Ok(vec![53.0]));
-        assert_eq!(free(&[(20.0, 0.0)]), Err((20.0, 80.0)));
-    }
-
-    proptest! {
-        #[test]
-        fn pieces_cover_the_strip_fit_the_stock_and_overlap_by_the_lap(
-            length in 60.0..900.0f64, max in 60.0..300.0f64, holes in prop::collection::vec((0.0..1.0f64, 1.0..25.0f64), 0..12),
-        ) {
-            let whole = -9.0..length - 9.0;
-            prop_assume!(length > max);
-            let blocked = |at: f64| holes.iter().any(|(h, w)| (at - (whole.start + h * length)).abs() < w + 10.0);
-            let laps: Vec<(f64, f64)> = (1..(length / 0.5) as usize)
-                .map(|n| whole.start + n as f64 * 0.5)
-                .filter(|at| at - 10.0 > whole.start && at + 10.0 < whole.end && !blocked(*at))
-                .map(|at| (at, 0.0))
-                .collect();
-            if let Ok(cuts) = cheapest(&laps, whole.clone(), 20.0, max) {
-                let mut start = whole.start;
-                for cut in &cuts {
-                    prop_assert!(!blocked(*cut) && cut + 10.0 - start <= max + 1e-9);
-                    prop_assert!(cut - 10.0 > start, "laps do not meet");
-                    start = cut - 10.0;
-                }
-                prop_assert!(whole.end - start <= max + 1e-9 && whole.end - start > 20.0);
+impl Places<'_> {
+    /// All places for the kind of splice that is wanted, ascending.
+    pub fn spots(&self) -> Vec<Spot> {
+        let mut spots = match self.settings.splice.kind {
+            SpliceKind::Connection => {
+                let mut spots = self.at_connections();
+                spots.extend(self.between(SpliceKind::Lap, LAP_COST));
+                spots
             }
-        }
+            kind => self.between(kind, 0.0),
+        };
+        spots.sort_by(|a, b| a.at_mm.total_cmp(&b.at_mm));
+        spots
     }
+
+    fn joint(&self) -> &Joint {
+        &self.settings.joint
+    }
+
+    /// Extents of the cuts of all passages but one.
+    fn cuts(&self, without: Option<usize>) -> Vec<Range<f64>> {
+        let others = self.passages.iter().enumerate().filter(|(i, _)| Some(*i) != without);
+        others.map(|(_, p)| p.bounds(self.joint())).map(|b| b.min.x..b.max.x).collect()
+    }
+
+    /// Places at connection points.
+    fn at_connections(&self) -> Vec<Spot> {
+        let half = 0.5 * self.settings.splice.connection_mm;
+        let whole = self.edges.range();
+        let mut spots = Vec::new();
+        for (i, passage) in self.passages.iter().enumerate() {
+            let at = passage.station_mm;
+            let cuts = self.cuts(Some(i));
+            let one_way = passage.seats.windows(2).all(|s| s[0].direction == s[1].direction);
+            // A piece's end with flaps of both ways would cut into some of them.
+            let bad_flap = passage.half == Half::Flap && !one_way;
+            let beyond = at - half <= whole.start || at + half >= whole.end;
+            if bad_flap || beyond || meets(&cuts, at, half + LEAST_CLEAR_MM) {
+                continue;
+            }
+            let crowded = meets(&cuts, at, half + 0.5 * self.joint().cut_distance_mm);
+            let flap_pass = if passage.half == Half::Flap { FLAP_PASS_COST } else { 0.0 };
+            let cost = flap_pass + if crowded { CROWDED_COST } else { 0.0 };
+            spots.push(Spot { at_mm: at, half_mm: half, cost, kind: SpliceKind::Connection, passage: Some(i) });
+        }
+        spots
+    }
+
+    /// Places between connection points, never at the crown of a loop.
+    fn between(&self, kind: SpliceKind, base_cost: f64) -> Vec<Spot> {
+        let splice = &self.settings.splice;
+        let half = match kind {
+            SpliceKind::DovetailTape | SpliceKind::Finger => 0.5 * dovetail::DEPTH_MM,
+            SpliceKind::Connection | SpliceKind::Lap => 0.5 * splice.lap_mm,
+        };
+        // What lies around it beside the overlap: tape, or flaps that point away from it.
+        let zone = match (kind, splice.thread_hole_mm) {
+            (SpliceKind::DovetailTape | SpliceKind::Finger, _) => half + dovetail::TAPE_MM,
+            (_, None) => half.max(0.5 * splice.rows_mm + self.joint().reach_both_ways_mm(1).1),
+            (_, Some(_)) => half,
+        };
+        let (cuts, crowns, whole) = (self.cuts(None), self.crowns(), self.edges.range());
+        let steps = (self.edges.length_mm() / STEP_MM) as usize;
+        let spot = |at: f64| {
+            let crowded = meets(&cuts, at, zone + 0.5 * self.joint().cut_distance_mm);
+            let cost = base_cost + if crowded { CROWDED_COST } else { 0.0 };
+            Spot { at_mm: at, half_mm: half, cost, kind, passage: None }
+        };
+        (1..steps)
+            .map(|n| whole.start + n as f64 * STEP_MM)
+            .filter(|at| at - zone > whole.start && at + zone < whole.end)
+            .filter(|at| !meets(&cuts, *at, zone + LEAST_CLEAR_MM) && !meets(&crowns, *at, half))
+            .map(spot)
+            .collect()
+    }
+
+    /// Middles of the outer loops.
+    fn crowns(&self) -> Vec<Range<f64>> {
+        let stations = self.part.ruffle.stations();
+        let loops = self.part.ruffle.sections.iter().filter(|s| s.role != ruffle::Role::Inner);
+        loops
+            .map(|s| {
+                let (from, to) = (stations[s.first_segment], stations[s.end_segment]);
+                let (middle, half) = (0.5 * (from + to), 0.5 * CROWN_SHARE * (to - from));
+                middle - half..middle + half
+            })
+            .collect()
+    }
+}
+
+/// True when a stretch comes within `reach` of a place.
+fn meets(ranges: &[Range<f64>], at: f64, reach: f64) -> bool {
+    ranges.iter().any(|r| r.start < at + reach && r.end > at - reach)
 }

@@ -30,7 +30,7 @@ mod travel;
 pub use error::Error;
 pub use settings::{Air, Anchor, Bridges, Dashes, Frame, Pass, Process, Settings, Share, Strike, Tool, Zero};
 
-use crate::drawing::{Drawing, Operation, Role};
+use crate::drawing::{Drawing, DrawnPath, KerfSide, Operation, Role};
 use crate::geom::{Motion, P2, Path, Rect};
 use crate::progress::Warning;
 use lead::Scrap;
@@ -111,6 +111,20 @@ impl Toolpath {
     pub fn bounds(&self) -> Rect {
         self.contours.iter().fold(Rect::EMPTY, |rect, c| rect.union(c.path.bounds()))
     }
+}
+
+/// A drawing with the kerf in it: every path moved to its waste side by half of `kerf_mm`, for programs that follow lines as they are. Kerf sides are all
+/// [`KerfSide::On`] afterwards.
+///
+/// # Errors
+/// A path that the kerf cannot be made up for, with its piece and role.
+pub fn compensated(drawing: &Drawing, kerf_mm: f64) -> Result<Drawing, Error> {
+    let moved = |drawn: &DrawnPath| {
+        let path = kerf::compensate(drawn, &drawing.name, kerf_mm)?.path;
+        Ok(DrawnPath { path, kerf: KerfSide::On, ..drawn.clone() })
+    };
+    let paths = drawing.paths.iter().map(moved).collect::<Result<Vec<DrawnPath>, Error>>()?;
+    Ok(Drawing { name: drawing.name.clone(), paths })
 }
 
 /// Plans one sheet of `width_mm` x `height_mm` from drawings placed on it.

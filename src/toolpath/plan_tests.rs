@@ -1,6 +1,4 @@
 use super::*;
-use crate::drawing::{DrawnPath, KerfSide};
-use crate::geom::Path;
 use proptest::prelude::*;
 
 pub(super) fn process(feed_mm_per_min: f64, power: f64) -> Process {

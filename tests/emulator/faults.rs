@@ -1,9 +1,9 @@
 //! What goes wrong on command goes wrong as on a real link.
 
-use furbelow::emulator::{Fault, When};
+use furbelow::emulator::{BoardSettings, Fault, When};
 use furbelow::geom::P3;
 
-use super::bench::Bench;
+use super::bench::{Bench, with};
 
 const JOB: &[&str] = &["G1X10F1200", "Y10", "X0", "Y0", "X20", "Y20"];
 
@@ -132,16 +132,28 @@ fn no_bytes_and_no_faults_make_the_board_hang_or_its_trace_jump() {
         "G53G0X-3\n",
         "G93\n",
         "S-\n",
+        "G38.2X50F600\n",
+        "G38.5X-5F900\n",
+        "G28.1\n",
+        "G30X1\n",
+        "$N0=G91\n",
+        "$N1=G38.3X2F600\n",
+        "$N\n",
+        "$I=A\n",
     ];
     const BYTES: &[u8] =
         &[0x18, b'?', b'~', b'~', b'!', b'~', 0x84, 0x85, 0x91, 0x92, 0x96, 0x97, 0x99, 0x9B, 0x9E, 0xFF, 0x7F, 0];
     let mut segments = 0;
     for seed in 0..150 {
         let mut random = Random(seed);
-        let mut bench = Bench::ready(&[(21, f64::from(u8::from(seed % 2 == 0)))]);
+        let kin = [BoardSettings::default(), BoardSettings::grbl_hal(), BoardSettings::fluid_nc()];
+        let limits = with(&[(21, f64::from(u8::from(seed % 2 == 0)))]).settings;
+        let mut bench = Bench::booted(BoardSettings { settings: limits, ..kin[seed as usize % 3].clone() });
+        bench.lines();
         for _ in 0..300 {
             match random.below(40) {
-                0 => bench.board.set_switch(random.below(3), random.below(2) == 0),
+                0 if random.below(2) == 0 => bench.board.set_switch(random.below(3), random.below(2) == 0),
+                0 => bench.board.set_probe(random.below(2) == 0),
                 1 => {
                     let faults =
                         [Fault::DropIn(2), Fault::CorruptIn(3), Fault::TornLine, Fault::Reset, Fault::CorruptOut(2)];

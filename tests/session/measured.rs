@@ -31,6 +31,22 @@ fn the_measured_jobs_arrive_whole_and_are_burnt_as_they_are_written() {
     }
 }
 
+/// Share of the feed that short segments must hold when characters are counted.
+const HELD_SHARE: f64 = 0.98;
+
+#[test]
+fn segments_of_a_fifth_of_a_millimetre_hold_their_feed() {
+    let (segment_mm, feed) = (0.2, 3000.0);
+    let at = |k: u32| segment_mm * f64::from(k) / 50.0;
+    let lines: String = (1..=2000).map(|k| format!("X{:.3}Y{:.3}\n", 50.0 * at(k).cos(), 50.0 * at(k).sin())).collect();
+    let mut bench = Bench::ready(BoardSettings::default());
+    bench.run(&format!("M4S500\nG0X50Y0\nG1F{feed}\n{lines}"), None);
+    assert!(bench.until(100.0, |b| b.ending.is_some()));
+    let lit_s: f64 = bench.board.trace().iter().filter(|s| s.is_lit()).map(|s| s.end_s - s.start_s).sum();
+    let share = 2000.0 * segment_mm * 60.0 / lit_s / feed;
+    assert!(share >= HELD_SHARE, "{share}");
+}
+
 #[test]
 fn a_stop_brakes_and_darkens_and_keeps_the_position() {
     for after_s in [3.0, 7.3, 11.9] {

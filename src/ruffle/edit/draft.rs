@@ -17,6 +17,10 @@ pub(super) struct Part {
     pub inner: Vec<P2>,
     /// Rest length of every segment, mm: one more than there are inner nodes.
     pub rest_mm: Vec<f64>,
+    /// [`Section::pinned`].
+    pub pinned: bool,
+    /// What it is called while a draft is edited: its section's index when the draft was opened, or a later number. Parts of a divided one share its name.
+    pub name: usize,
 }
 
 impl Part {
@@ -35,6 +39,8 @@ pub(super) struct Draft {
     pub midpoint: Vec<bool>,
     pub made: Vec<Densification>,
     pub foot: [usize; 2],
+    /// The next part's name.
+    next_name: usize,
 }
 
 impl Draft {
@@ -55,8 +61,11 @@ impl Draft {
         let parts: Vec<Part> = ruffle
             .sections
             .iter()
-            .map(|s| Part {
+            .enumerate()
+            .map(|(name, s)| Part {
                 role: s.role,
+                pinned: s.pinned,
+                name,
                 from: knot(ruffle.walk[s.first_segment]),
                 to: knot(ruffle.walk[s.end_segment]),
                 inner: (s.first_segment + 1..s.end_segment).map(|k| drawn.positions[ruffle.at(k)]).collect(),
@@ -68,7 +77,8 @@ impl Draft {
         for knot in ruffle.densified.midpoints.iter().filter_map(|n| knot_of[n.index()]) {
             midpoint[knot] = true;
         }
-        Ok(Draft { parts, knots, midpoint, made: ruffle.densified.made.clone(), foot })
+        let next_name = parts.len();
+        Ok(Draft { parts, knots, midpoint, made: ruffle.densified.made.clone(), foot, next_name })
     }
 
     /// The ruffle again, its nodes numbered as the strip reaches them.
@@ -93,7 +103,12 @@ impl Draft {
             walk.push(end);
             let first_segment = rest_lengths.len();
             rest_lengths.extend_from_slice(&part.rest_mm);
-            sections.push(Section { role: part.role, first_segment, end_segment: rest_lengths.len() });
+            sections.push(Section {
+                role: part.role,
+                first_segment,
+                end_segment: rest_lengths.len(),
+                pinned: part.pinned,
+            });
         }
         let [Some(left), Some(right)] = self.foot.map(|knot| node_of[knot]) else { return Err(EditError::Foot) };
         let midpoints = (0..self.knots.len()).filter(|k| self.midpoint[*k]).filter_map(|k| node_of[k]);
@@ -144,11 +159,25 @@ impl Draft {
         self.knots.len() - 1
     }
 
-    /// A part drawn along `curve`, divided evenly, of `length_mm` at rest.
-    pub fn part(role: Role, [from, to]: [usize; 2], curve: &Curve, length_mm: f64, segment_mm: f64) -> Part {
+    /// A new part drawn along `curve`, divided evenly, of `length_mm` at rest.
+    pub fn part(&mut self, role: Role, [from, to]: [usize; 2], curve: &Curve, length_mm: f64, segment_mm: f64) -> Part {
         let n = segments_for(length_mm, segment_mm);
         let points = curve.divide(n);
-        Part { role, from, to, inner: points[1..n].to_vec(), rest_mm: vec![length_mm / n as f64; n] }
+        let name = self.next_name;
+        self.next_name += 1;
+        let (inner, rest_mm) = (points[1..n].to_vec(), vec![length_mm / n as f64; n]);
+        Part { role, from, to, inner, rest_mm, pinned: false, name }
+    }
+
+    /// Parts of that name, first to last.
+    pub fn named(&self, name: usize) -> Vec<usize> {
+        (0..self.parts.len()).filter(|p| self.parts[*p].name == name).collect()
+    }
+
+    /// The knot that a node of the drawing became, when sections end there; `at` is a position of the walk between two sections of `ruffle`.
+    pub fn knot_at(&self, ruffle: &Ruffle, at: usize) -> Option<usize> {
+        let starts = ruffle.sections.iter().position(|s| s.first_segment == at).map(|s| self.parts[s].from);
+        starts.or_else(|| ruffle.sections.iter().position(|s| s.end_segment == at).map(|s| self.parts[s].to))
     }
 
     /// How often the strip passes a knot.
@@ -206,6 +235,7 @@ impl Draft {
         let (mut low, high) = (self.parts[first].clone(), self.parts[first + 1].clone());
         let knot = low.to;
         self.midpoint[knot] = false;
+        low.pinned |= high.pinned;
         low.inner.push(self.knots[knot]);
         low.inner.extend(high.inner);
         low.rest_mm.extend(high.rest_mm);

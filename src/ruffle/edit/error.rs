@@ -13,6 +13,26 @@ pub enum EditError {
         /// Number of sections.
         count: usize,
     },
+    /// A joint that the ruffle does not have.
+    #[error("there is no joint {joint}; the ruffle has {count}, counted from 1")]
+    NoSuchJoint {
+        /// Asked for.
+        joint: u32,
+        /// Number of joints.
+        count: usize,
+    },
+    /// A place to which a joint cannot go.
+    #[error(
+        "joint {joint} cannot go to u {u_mm:.1}, v {v_mm:.1} mm: the strip would run into itself; move it less far"
+    )]
+    JointBlocked {
+        /// The joint.
+        joint: u32,
+        /// Where it was to go.
+        u_mm: f64,
+        /// Where it was to go.
+        v_mm: f64,
+    },
     /// A layer that the stack does not have.
     #[error("there is no place {layer} among {count} layers, counted from 0")]
     NoSuchLayer {
@@ -118,4 +138,18 @@ pub enum EditError {
     /// The ruffle is broken.
     #[error(transparent)]
     Flaw(#[from] Flaw),
+}
+
+impl EditError {
+    /// The same error about the section that was asked for: what an edit makes of it on the way has numbers that nobody has seen.
+    pub(super) fn about(mut self, asked: usize) -> EditError {
+        if let EditError::NoRoom { section, .. }
+        | EditError::Crease { section, .. }
+        | EditError::OutOfReach { section, .. }
+        | EditError::NotDensified { section } = &mut self
+        {
+            *section = asked;
+        }
+        self
+    }
 }

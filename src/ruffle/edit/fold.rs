@@ -170,7 +170,7 @@ pub(super) fn fold(draft: &mut Draft, part: usize, share: f64, segment_mm: f64) 
         (Role::Densified, [x, y], Curve::traced(above)),
         (role, [y, q], Curve::traced(last)),
     ];
-    let parts = runs.map(|(role, ends, curve)| Draft::part(role, ends, &curve, curve.length(), segment_mm));
+    let parts = runs.map(|(role, ends, curve)| draft.part(role, ends, &curve, curve.length(), segment_mm));
     draft.densified(part, parts.to_vec());
     Some(())
 }

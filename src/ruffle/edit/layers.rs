@@ -11,9 +11,9 @@ use crate::ruffle::{Drawn, Role};
 use std::ops::Range;
 
 /// Sections of a layer: right loop, diagonal, left loop, rung.
-const PER_LAYER: usize = 4;
+pub(super) const PER_LAYER: usize = 4;
 /// The direction at a rung's end is that of this share of it.
-const END_SHARE: f64 = 0.04;
+pub(super) const END_SHARE: f64 = 0.04;
 /// How far the part above a removed layer is lifted off the rung it now stands on, mm: the two rungs it was and is drawn on sag differently.
 const LIFTS_MM: [f64; 6] = [0.0, 1.0, 2.0, 4.0, 8.0, 16.0];
 /// Near its connections it is lifted less, mm: within this distance by less than two thirds.
@@ -23,7 +23,7 @@ const LIFT_WITHIN_MM: f64 = 10.0;
 const SAME_MM: f64 = 6.0;
 
 /// Parts that stand for each section of the plain stack: densified and divided ones counted as one.
-fn plain_sections(draft: &Draft) -> Vec<Range<usize>> {
+pub(super) fn plain_sections(draft: &Draft) -> Vec<Range<usize>> {
     let mut starts = vec![0];
     for i in 1..draft.parts.len() {
         let inside = draft.made.iter().any(|m| m.first_section < i && i < m.end_section);
@@ -35,7 +35,7 @@ fn plain_sections(draft: &Draft) -> Vec<Range<usize>> {
     starts.iter().copied().zip(ends).map(|(a, b)| a..b).collect()
 }
 
-fn count(sections: &[Range<usize>]) -> Result<usize, EditError> {
+pub(super) fn count(sections: &[Range<usize>]) -> Result<usize, EditError> {
     let layers = sections.len() / PER_LAYER;
     let stack = layers >= 1 && sections.len() == PER_LAYER * layers + 1;
     if stack { Ok(layers) } else { Err(EditError::NotAStack { sections: sections.len() }) }
@@ -50,7 +50,7 @@ pub fn layer_count(drawn: &Drawn) -> Result<usize, EditError> {
 }
 
 /// The first densified part of a rung, as an error.
-fn plain_rung(draft: &Draft, rung: &Range<usize>) -> Result<(), EditError> {
+pub(super) fn plain_rung(draft: &Draft, rung: &Range<usize>) -> Result<(), EditError> {
     let densified = draft.made.iter().find(|m| m.first_section < rung.end && rung.start < m.end_section);
     densified.map_or(Ok(()), |m| Err(EditError::RungDensified { section: m.first_section }))
 }
@@ -96,14 +96,16 @@ pub fn insert_layer(drawn: &Drawn, at: usize, height_mm: f64, settings: &EditSet
     let curve = draft.joined(rung.clone());
     let (left, right) = (draft.parts[rung.start].from, draft.parts[rung.end - 1].to);
     let (next_left, next_right) = (on_twin(left), on_twin(right));
-    let side = |from: usize, to: usize, inside: f64, end: f64| {
+    let mut side = |from: usize, to: usize, inside: f64, end: f64| {
         let out = (curve.at(end) - curve.at(inside)).normalize();
-        let drawn = Curve::loop_beyond(draft.knots[from], draft.knots[to], out, 0.5 * height_mm);
-        Draft::part(Role::Outer, [from, to], &drawn, drawn.length(), settings.segment_mm)
+        let drawn = Curve::loop_beyond([draft.knots[from], draft.knots[to]], [out; 2], 0.5 * height_mm);
+        draft.part(Role::Outer, [from, to], &drawn, drawn.length(), settings.segment_mm)
     };
     let across = Curve::traced(|v| curve.at(1.0 - v) + up * smooth(1.0 - v));
-    let diagonal = Draft::part(Role::Inner, [next_right, left], &across, across.length(), settings.segment_mm);
-    let mut new = vec![side(right, next_right, 1.0 - END_SHARE, 1.0), diagonal, side(left, next_left, END_SHARE, 0.0)];
+    let (right_loop, left_loop) =
+        (side(right, next_right, 1.0 - END_SHARE, 1.0), side(left, next_left, END_SHARE, 0.0));
+    let diagonal = draft.part(Role::Inner, [next_right, left], &across, across.length(), settings.segment_mm);
+    let mut new = vec![right_loop, diagonal, left_loop];
     for part in rung.clone() {
         let part = &mut draft.parts[part];
         let inner = part.inner.iter().map(|p| p + up).collect();
@@ -112,7 +114,7 @@ pub fn insert_layer(drawn: &Drawn, at: usize, height_mm: f64, settings: &EditSet
     }
     draft.replace(rung.end..rung.end, new);
     drop_midpoints(&mut draft, settings.segment_mm)?;
-    close(&draft, rung.end, before, settings)
+    close(draft, rung.end, before, settings)?.drawn()
 }
 
 /// Takes layer `layer` out, 0 the lowest, with everything densified in it. What stood on it moves down onto the rung below.
@@ -146,7 +148,7 @@ pub fn remove_layer(drawn: &Drawn, layer: usize, settings: &EditSettings) -> Res
             .for_each(|m| outer(&mut m.role));
         draft.replace(gone, Vec::new());
         drop_midpoints(&mut draft, settings.segment_mm)?;
-        return close(&draft, rung.start, before, settings);
+        return close(draft, rung.start, before, settings)?.drawn();
     }
 
     let seam = Seam::new(&mut draft, rung, next_rung, settings.segment_mm)?;
@@ -173,7 +175,7 @@ pub fn remove_layer(drawn: &Drawn, layer: usize, settings: &EditSettings) -> Res
     let placed = LIFTS_MM.iter().map(|lift| place(&draft, *lift)).find(|d| tangle(d).is_none());
     let mut draft = placed.ok_or_else(|| no_room(&place(&draft, 0.0), gone.start - 1))?;
     drop_midpoints(&mut draft, settings.segment_mm)?;
-    close(&draft, gone.start - 1, before, settings)
+    close(draft, gone.start - 1, before, settings)?.drawn()
 }
 
 /// A knot of the rung that goes, and the one of the rung below that takes its place.

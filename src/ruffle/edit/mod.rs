@@ -3,21 +3,27 @@
 //! Every edit takes a drawing (or an equilibrium) and gives a new one. Its positions start a solve as they are: the strip does not meet itself. Sections are named
 //! by their index as it is before the edit.
 
+mod density;
 mod draft;
 mod error;
 mod fold;
 mod layers;
 mod limits;
 mod mesh;
+mod move_joint;
+mod split;
 mod tangle;
 mod teardrop;
 #[cfg(test)]
 mod tests;
 mod undensify;
 
+pub use density::{densify, loops, undensify};
 pub use error::EditError;
 pub use layers::{insert_layer, layer_count, remove_layer};
 pub use limits::Limits;
+pub use move_joint::move_joint;
+pub use split::split_layer;
 
 use super::Drawn;
 use super::curve::MIN_SEGMENTS;
@@ -56,24 +62,30 @@ fn open(drawn: &Drawn, settings: &EditSettings) -> Result<(Draft, Option<Room>),
     Ok((draft, room))
 }
 
-fn open_at(drawn: &Drawn, section: usize, settings: &EditSettings) -> Result<(Draft, Option<Room>), EditError> {
+/// Refuses sections that a drawing does not have.
+fn check_sections(drawn: &Drawn, sections: &[usize]) -> Result<(), EditError> {
     let count = drawn.ruffle.sections.len();
-    if section >= count {
-        return Err(EditError::NoSuchSection { section, count });
-    }
+    let missing = sections.iter().copied().find(|s| *s >= count);
+    missing.map_or(Ok(()), |section| Err(EditError::NoSuchSection { section, count }))
+}
+
+fn open_at(drawn: &Drawn, section: usize, settings: &EditSettings) -> Result<(Draft, Option<Room>), EditError> {
+    check_sections(drawn, &[section])?;
     open(drawn, settings)
 }
 
-/// The drawing of a draft that keeps clear of itself and of the limits.
-fn close(draft: &Draft, section: usize, before: Option<Room>, settings: &EditSettings) -> Result<Drawn, EditError> {
-    if tangle::tangle(draft).is_some() {
-        return Err(undensify::no_room(draft, section));
+/// A draft that keeps clear of itself and of the limits.
+fn close(draft: Draft, section: usize, before: Option<Room>, settings: &EditSettings) -> Result<Draft, EditError> {
+    if tangle::tangle(&draft).is_some() {
+        return Err(undensify::no_room(&draft, section.min(draft.parts.len() - 1)));
     }
-    settings.limits.judge(before, draft)?;
-    draft.drawn()
+    settings.limits.judge(before, &draft)?;
+    Ok(draft)
 }
 
-/// Gives a section another rest length, mm. Its nodes stay where they are, or are spread anew along it.
+/// Gives a section another rest length, mm, and keeps it there: filling leaves it alone ([`Section::pinned`](super::Section::pinned)). Its nodes stay where they are,
+/// or are spread anew along it. But a part of the foot's rung, whose ends may be held where they are drawn, is drawn as long as it is at rest: everything to its right
+/// moves with it.
 ///
 /// # Errors
 /// A length that is not positive, or that would make a loop crease or a void too small to reach into.
@@ -84,52 +96,29 @@ pub fn set_length(drawn: &Drawn, section: usize, length_mm: f64, settings: &Edit
     }
     let scale = length_mm / draft.parts[section].length_mm();
     draft.parts[section].rest_mm.iter_mut().for_each(|l| *l *= scale);
+    draft.parts[section].pinned = true;
+    if foot_rung(&draft).contains(&section) {
+        stretch_drawing(&mut draft, section, scale);
+    }
     mesh::refine(&mut draft, section, settings.segment_mm);
-    close(&draft, section, before, settings)
+    close(draft, section, before, settings)?.drawn()
 }
 
-/// Makes a section stiffer: five take its place, with new connection points (paper section 3.1).
-///
-/// A loop has the room behind it divided by three little loops, which hold on to the middles of the room's other two sides. Any other section is folded back
-/// on itself. The first and the last of the five keep the section's role, the others are [`Role::Densified`](super::Role::Densified). All can be densified again.
-///
-/// # Errors
-/// No room for the loops where the section lies, or loops tighter than the limits.
-pub fn densify(drawn: &Drawn, section: usize, settings: &EditSettings) -> Result<Drawn, EditError> {
-    let (draft, before) = open_at(drawn, section, settings)?;
-    let mut divided = draft.clone();
-    if teardrop::divide_room(&mut divided, section, settings.segment_mm).is_some() {
-        return close(&divided, section, before, settings);
-    }
-    let mut refused = None;
-    for share in fold::SHARES {
-        let mut folded = draft.clone();
-        if fold::fold(&mut folded, section, share, settings.segment_mm).is_none() {
-            break;
-        }
-        match close(&folded, section, before, settings) {
-            Ok(drawn) => return Ok(drawn),
-            Err(error) => refused = refused.or(Some(error)),
-        }
-    }
-    Err(refused.unwrap_or_else(|| undensify::no_room(&draft, section)))
+/// Parts of the bottom rung, when it is not densified: those from the strip's start to the foot's other end.
+fn foot_rung(draft: &Draft) -> std::ops::Range<usize> {
+    let [left, right] = draft.foot;
+    let end = draft.parts.iter().position(|p| p.to == right).map_or(0, |p| p + 1);
+    let plain = draft.made.iter().all(|m| m.first_section >= end);
+    if plain && draft.parts.first().is_some_and(|p| p.from == left) { 0..end } else { 0..0 }
 }
 
-/// Takes back the innermost densification that made `section`, with everything densified inside it. The old section has its role and length again.
-///
-/// # Errors
-/// A section that densifying did not make, or no room to draw the old one.
-pub fn undensify(drawn: &Drawn, section: usize, settings: &EditSettings) -> Result<Drawn, EditError> {
-    let (mut draft, _) = open_at(drawn, section, settings)?;
-    let around = (0..draft.made.len()).filter(|m| draft.made[*m].sections().contains(&section));
-    let Some(index) = around.min_by_key(|m| draft.made[*m].sections().len()) else {
-        return Err(EditError::NotDensified { section });
-    };
-    let first = draft.made[index].first_section;
-    undensify::take_back(&mut draft, index, settings.segment_mm)?;
-    // What was there before may be as tight as it was.
-    let settings = EditSettings { limits: Limits::default(), ..*settings };
-    close(&draft, first.min(draft.parts.len() - 1), None, &settings)
+/// Stretches the drawing between the ends of a part along u, and moves what lies beyond. Nothing that was apart comes to meet.
+fn stretch_drawing(draft: &mut Draft, part: usize, scale: f64) {
+    let (from, to) = (draft.knots[draft.parts[part].from].x, draft.knots[draft.parts[part].to].x);
+    let (low, high) = (from.min(to), from.max(to));
+    let stretched = |p: &mut crate::geom::P2| p.x += (scale - 1.0) * (p.x.min(high) - low).max(0.0);
+    draft.knots.iter_mut().for_each(stretched);
+    draft.parts.iter_mut().flat_map(|p| p.inner.iter_mut()).for_each(stretched);
 }
 
 /// Divides every segment of a section in two.
@@ -137,7 +126,7 @@ pub fn split_segments(drawn: &Drawn, section: usize, settings: &EditSettings) ->
     let (mut draft, before) = open_at(drawn, section, settings)?;
     let segments = draft.parts[section].rest_mm.len();
     mesh::divide(&mut draft, section, &vec![2; segments]);
-    close(&draft, section, before, settings)
+    close(draft, section, before, settings)?.drawn()
 }
 
 /// Divides a section into half as many segments.
@@ -153,5 +142,5 @@ pub fn merge_segments(drawn: &Drawn, section: usize, settings: &EditSettings) ->
     if !mesh::divide_evenly(&mut draft, section, segments / 2) {
         return Err(undensify::no_room(&draft, section));
     }
-    close(&draft, section, before, settings)
+    close(draft, section, before, settings)?.drawn()
 }

@@ -53,6 +53,11 @@ fn room(draft: &Draft, part: usize) -> Option<Room> {
     Some(Room { before: before[..=i].to_vec(), after: after[..=j].to_vec() })
 }
 
+/// Whether a part is a loop that closes a room.
+pub(super) fn closes_room(draft: &Draft, part: usize) -> bool {
+    room(draft, part).is_some()
+}
+
 /// The knot nearest to the middle of a side: a midpoint it has already, or a new one. `side` runs along the strip.
 fn middle(draft: &mut Draft, side: &[usize], segment_mm: f64) -> usize {
     let lengths: Vec<f64> = side.iter().map(|p| draft.parts[*p].length_mm()).collect();
@@ -151,7 +156,7 @@ pub(super) fn divide_room(draft: &mut Draft, part: usize, segment_mm: f64) -> Op
         (Role::Densified, [b, c], Curve::traced(|v| surface.at(v, 1.0 - 0.5 * smooth(v)))),
         (role, [c, q], surface.lobe(1.0, 1.0, [0.5, 1.0])),
     ];
-    let parts = runs.map(|(role, ends, curve)| Draft::part(role, ends, &curve, curve.length(), segment_mm));
+    let parts = runs.map(|(role, ends, curve)| draft.part(role, ends, &curve, curve.length(), segment_mm));
     draft.densified(part, parts.to_vec());
     Some(())
 }

@@ -37,10 +37,10 @@ fn restore(draft: &mut Draft, index: usize, segment_mm: f64) -> Result<(), EditE
         vec![end_to_end(&[draft.curve(run.start), back, draft.curve(run.end - 1)])]
     };
     let ends = [first.from, last.to];
-    let restored = |curve: &Curve| Draft::part(made.role, ends, curve, made.length_mm, segment_mm);
     let mut drafts = curves.iter().map(|curve| {
         let mut draft = draft.clone();
-        draft.replace(run.clone(), vec![restored(curve)]);
+        let restored = draft.part(made.role, ends, curve, made.length_mm, segment_mm);
+        draft.replace(run.clone(), vec![restored]);
         draft
     });
     let clear = drafts.find(|d| tangle(d).is_none());

@@ -105,7 +105,8 @@ fn a_sheared_void_is_flipped_into_fat_triangles() {
 fn strip(x: &[P2]) -> Ruffle {
     let walk: Vec<Node> = (0..x.len() as u32).map(Node).collect();
     let rest_lengths: Vec<f64> = x.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
-    let sections = vec![Section { role: Role::Outer, first_segment: 0, end_segment: rest_lengths.len() }];
+    let sections =
+        vec![Section { role: Role::Outer, first_segment: 0, end_segment: rest_lengths.len(), pinned: false }];
     Ruffle {
         node_count: x.len(),
         walk,

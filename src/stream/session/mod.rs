@@ -23,7 +23,7 @@ use std::time::Duration;
 
 use super::board::Board;
 use super::event::{Action, Command, Event, Lines};
-use super::ledger::Ledger;
+use super::ledger::{Ledger, Progress};
 use super::overrides::Overrides;
 use super::realtime;
 use super::sendable::Sendable;
@@ -164,6 +164,11 @@ impl Session {
         self.job.is_some() || matches!(self.phase, Phase::Stopping(_))
     }
 
+    /// How far the job has come.
+    pub(super) fn progress(&self) -> Progress {
+        self.job.as_ref().map(|job| job.ledger.progress()).unwrap_or_default()
+    }
+
     /// Bytes have come.
     pub fn on_bytes(&mut self, now: Duration, bytes: &[u8]) -> Vec<Action> {
         self.now = now;
@@ -231,6 +236,11 @@ impl Session {
             Command::Check { lines } => {
                 if self.free_for_orders() {
                     self.start_check(lines);
+                }
+            }
+            Command::Ask => {
+                if self.free_for_orders() {
+                    self.ask_again();
                 }
             }
             Command::Line(line) => self.order(&line),

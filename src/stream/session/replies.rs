@@ -159,7 +159,7 @@ impl Session {
             self.overrides.reported(told);
         }
         self.count_rest(&status);
-        let progress = self.job.as_ref().map(|job| job.ledger.progress()).unwrap_or_default();
+        let progress = self.progress();
         let state = status.state;
         self.status = Some(status.clone());
         self.tell(Event::Status(status, progress));

@@ -24,9 +24,15 @@ const REST_REPORTS: u32 = 2;
 impl Session {
     /// Begins to ask a board that has spoken.
     pub(super) fn ask(&mut self) {
-        self.phase = Phase::Asking;
         self.window.clear();
-        self.alone = QUESTIONS.iter().map(|q| (*q).to_owned()).collect();
+        self.alone.clear();
+        self.ask_again();
+    }
+
+    /// Asks everything behind what is still under way.
+    pub(super) fn ask_again(&mut self) {
+        self.phase = Phase::Asking;
+        self.alone.extend(QUESTIONS.iter().map(|q| (*q).to_owned()));
     }
 
     /// Longest line the board takes, in characters without the line feed.

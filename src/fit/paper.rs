@@ -1,9 +1,14 @@
 //! The paper's length updates (section 4.2).
 
-use super::Settings;
 use crate::cut::Outline;
 use crate::geom::P2;
 use crate::ruffle::{Drawn, Role, Ruffle};
+
+/// eta of the outer rule. The paper asks for less than 2; above 0.5 stacks of more than two layers oscillate.
+const OUTER_GAIN: f64 = 0.4;
+/// Sections keep at least this share of the length they were drawn with, so that no layer collapses, and at most this many times it.
+const SHORTEST: f64 = 0.6;
+const LONGEST: f64 = 1.6;
 
 /// Section lengths for the next round, from where the strip lies now.
 ///
@@ -11,8 +16,7 @@ use crate::ruffle::{Drawn, Role, Ruffle};
 /// l' = l + eta min d. An inner section is to span its share alpha of the way across: l' = alpha (d(start) + l + d(end)).
 /// Two things differ from the paper, which leaves them open: the outline's floor does not count as border, since the strip is meant to lie on it; and every
 /// inner section has an alpha of its own, the share it was drawn with, so that a drawing that is right already stays as it is.
-pub(super) struct LengthRule<'a> {
-    settings: &'a Settings,
+pub(super) struct LengthRule {
     /// The outline with its floor out of the way.
     target: Outline,
     drawn_lengths: Vec<f64>,
@@ -20,9 +24,9 @@ pub(super) struct LengthRule<'a> {
     shares: Vec<f64>,
 }
 
-impl<'a> LengthRule<'a> {
+impl LengthRule {
     /// The rule for sections that start as `drawn`.
-    pub fn new(drawn: &Drawn, outline: &Outline, settings: &'a Settings) -> LengthRule<'a> {
+    pub fn new(drawn: &Drawn, outline: &Outline) -> LengthRule {
         let ruffle = &drawn.ruffle;
         let target = without_floor(outline);
         let drawn_lengths: Vec<f64> = (0..ruffle.sections.len()).map(|s| ruffle.section_length(s)).collect();
@@ -32,20 +36,19 @@ impl<'a> LengthRule<'a> {
             length / (d(drawn.positions[from.index()]) + length + d(drawn.positions[to.index()]))
         };
         let shares = drawn_lengths.iter().enumerate().map(share).collect();
-        LengthRule { settings, target, drawn_lengths, shares }
+        LengthRule { target, drawn_lengths, shares }
     }
 
     /// Lengths of all sections, mm, for a strip that lies at `positions`.
     pub fn lengths(&self, ruffle: &Ruffle, positions: &[P2]) -> Vec<f64> {
         let distances: Vec<f64> = positions.iter().map(|p| self.target.signed_distance(*p)).collect();
-        let Settings { outer_gain, min_length_ratio, max_length_ratio, .. } = *self.settings;
         let wanted = |s: usize| {
             let length = ruffle.section_length(s);
             let section = &ruffle.sections[s];
             match section.role {
                 Role::Outer => {
                     let nodes = section.first_segment..=section.end_segment;
-                    length + outer_gain * nodes.map(|k| distances[ruffle.at(k)]).fold(f64::INFINITY, f64::min)
+                    length + OUTER_GAIN * nodes.map(|k| distances[ruffle.at(k)]).fold(f64::INFINITY, f64::min)
                 }
                 Role::Inner => {
                     let (from, to) = ruffle.section_ends(s);
@@ -57,7 +60,7 @@ impl<'a> LengthRule<'a> {
         self.drawn_lengths
             .iter()
             .enumerate()
-            .map(|(s, drawn)| wanted(s).clamp(min_length_ratio * drawn, max_length_ratio * drawn))
+            .map(|(s, drawn)| wanted(s).clamp(SHORTEST * drawn, LONGEST * drawn))
             .collect()
     }
 }
@@ -84,8 +87,7 @@ mod tests {
     #[test]
     fn rungs_keep_their_length_while_the_strip_lies_as_drawn() {
         let drawn = draw_stack(&square(), &StackSettings::default()).unwrap();
-        let settings = Settings::default();
-        let rule = LengthRule::new(&drawn, &square(), &settings);
+        let rule = LengthRule::new(&drawn, &square());
         let lengths = rule.lengths(&drawn.ruffle, &drawn.positions);
         for (s, length) in lengths.iter().enumerate() {
             if drawn.ruffle.sections[s].role == Role::Inner {
@@ -97,8 +99,7 @@ mod tests {
     #[test]
     fn a_loop_short_of_the_outline_grows_and_one_beyond_it_shrinks() {
         let drawn = draw_stack(&square(), &StackSettings::default()).unwrap();
-        let settings = Settings::default();
-        let rule = LengthRule::new(&drawn, &square(), &settings);
+        let rule = LengthRule::new(&drawn, &square());
         let right_loop = 1;
         let shifted = |by: f64| -> Vec<P2> {
             drawn.positions.iter().map(|p| P2::new((p.x - 50.0) * 0.8 + 50.0 + by, p.y)).collect()
@@ -111,8 +112,7 @@ mod tests {
     #[test]
     fn no_section_leaves_its_bounds() {
         let drawn = draw_stack(&square(), &StackSettings::default()).unwrap();
-        let settings = Settings::default();
-        let rule = LengthRule::new(&drawn, &square(), &settings);
+        let rule = LengthRule::new(&drawn, &square());
         let far: Vec<P2> = drawn.positions.iter().map(|p| P2::new(p.x + 900.0, p.y)).collect();
         for (s, length) in rule.lengths(&drawn.ruffle, &far).into_iter().enumerate() {
             let drawn = drawn.ruffle.section_length(s);
