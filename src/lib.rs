@@ -22,6 +22,7 @@
 //!  toolpath   placed drawings, process   Toolpath: kerf, bridges, order, blade       drawing nest
 //!  gcode      Toolpath                   Program, plot; parse, trace, planner, check toolpath
 //!  preview    parts, moves               pictures: SVG, PNG; a page that plays them  drawing nest gcode cut ruffle extrude sim fit
+//!  assembly   parts, pieces, layouts     sheets of paper: what to do, step by step   mesh cut ruffle extrude sim fit strip nest drawing
 //!  emulator   bytes and time             bytes, and what the machine did             gcode
 //!  stream     Program, bytes, time       bytes, events: a board fed line by line      gcode emulator
 //!  config     TOML                       Machine, Profile, and how they pair         -
@@ -48,6 +49,7 @@
 
 #![warn(missing_docs)]
 
+pub mod assembly;
 pub mod cli;
 pub mod config;
 pub mod cut;

@@ -24,11 +24,12 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("emulator", &["gcode"]),
     ("stream", &["gcode", "emulator"]),
     ("preview", &["drawing", "nest", "gcode", "cut", "ruffle", "extrude", "sim", "fit"]),
+    ("assembly", &["mesh", "cut", "ruffle", "extrude", "sim", "fit", "strip", "nest", "drawing"]),
     (
         "job",
         &[
-            "drawing", "mesh", "config", "cut", "ruffle", "extrude", "sim", "fit", "design", "strip", "nest",
-            "toolpath", "gcode", "preview", "stream",
+            "assembly", "drawing", "mesh", "config", "cut", "ruffle", "extrude", "sim", "fit", "design", "strip",
+            "nest", "toolpath", "gcode", "preview", "stream",
         ],
     ),
     ("cli", &["job", "design", "preview", "gcode", "nest", "config", "stream"]),

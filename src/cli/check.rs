@@ -45,6 +45,7 @@ struct Json<'a> {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let library = Library::open();
     let machine = library.machine(&args.machine)?;
+    super::connection::require_board(&machine)?;
     let pairing = match &args.material {
         Some(name) => Some(machine.pair(&library.profile(name)?)?),
         None => None,

@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::time::Duration;
 
 use super::{Exit, Failure, output};
-use crate::config::Machine;
+use crate::config::{Library, Machine};
 use crate::stream::{Address, Board, Command, Event, Link, Settings, State, Status, Trouble};
 
 /// How long to wait for one event before looking again.
@@ -26,6 +26,26 @@ pub(super) struct Where {
     /// Where its board hangs (see `furbelow ports`): a device, tcp:HOST[:PORT], or emulator (emulator:50x runs 50 times as fast)
     #[arg(long)]
     pub(super) port: String,
+}
+
+impl Where {
+    /// The machine that is named, if it has a board.
+    pub(super) fn machine(&self) -> Result<Machine, Failure> {
+        let machine = Library::open().machine(&self.machine)?;
+        require_board(&machine)?;
+        Ok(machine)
+    }
+}
+
+/// Refuses a machine that nothing can be sent to.
+pub(super) fn require_board(machine: &Machine) -> Result<(), Failure> {
+    if machine.controller.is_none() {
+        return Err(Failure::config(format!(
+            "machine {} has no controller: nothing can be sent to it; name the one the program was made for",
+            machine.name
+        )));
+    }
+    Ok(())
 }
 
 /// Opens the port a board hangs on.

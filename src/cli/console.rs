@@ -9,7 +9,6 @@ use serde_json::json;
 use super::connection::{Where, failed, machine_failure};
 use super::talk::{OnInterrupt, Talk};
 use super::{Failure, output};
-use crate::config::Library;
 use crate::stream::{Command, Event, State, Trouble};
 
 /// How long to wait for the board before looking for lines again.
@@ -76,7 +75,7 @@ struct Console {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let machine = Library::open().machine(&args.at.machine)?;
+    let machine = args.at.machine()?;
     let by_hand = std::io::stdin().is_terminal();
     let talk = Talk::open(&args.at.port, &machine)?;
     talk.on_interrupt(OnInterrupt::Stop);

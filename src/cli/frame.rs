@@ -9,7 +9,7 @@ use serde_json::json;
 use super::connection::{self, Where, refused};
 use super::talk::{OnInterrupt, Talk};
 use super::{Failure, job_files, output};
-use crate::config::{Library, Machine};
+use crate::config::Machine;
 use crate::stream::{self, Command, Demand, Extent, Frame, Outcome, Tracing, Weight};
 use crate::{gcode, job};
 
@@ -46,7 +46,7 @@ pub struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let machine = Library::open().machine(&args.at.machine)?;
+    let machine = args.at.machine()?;
     let tracing = tracing(args, &machine)?;
     let job = read(args, &machine)?;
     let lines = job.frame.lines(tracing);
@@ -261,6 +261,7 @@ fn tell(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Library;
 
     #[test]
     fn the_beam_is_shown_only_as_far_as_the_machine_file_allows() {

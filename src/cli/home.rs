@@ -5,7 +5,6 @@ use serde_json::json;
 use super::connection::{Where, failed, refused};
 use super::talk::{Answer, OnInterrupt, Talk};
 use super::{Failure, output};
-use crate::config::Library;
 use crate::stream::{Command, State};
 
 /// Arguments of `home`.
@@ -23,7 +22,7 @@ pub struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let machine = Library::open().machine(&args.at.machine)?;
+    let machine = args.at.machine()?;
     let mut talk = Talk::open_with(&args.at.port, machine.controller.baud, args.unlock)?;
     if args.unlock {
         unlock(&mut talk)?;

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::connection::{self, Where, refused};
 use super::talk::{Answer, OnInterrupt, Talk};
 use super::{Failure, jog_keys, output};
-use crate::config::{Library, Machine};
+use crate::config::Machine;
 use crate::job;
 use crate::stream::{Command, within_travel};
 
@@ -46,7 +46,7 @@ pub struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let machine = Library::open().machine(&args.at.machine)?;
+    let machine = args.at.machine()?;
     let feed = feed(args.feed, &machine)?;
     let by_keys = args.x.is_none() && !args.zero;
     if by_keys && !(std::io::stdin().is_terminal() && std::io::stdout().is_terminal()) {

@@ -75,7 +75,11 @@ fn show(machine: &Machine, as_json: bool) -> Result<(), Failure> {
     }
     line(&format!("{}: {}\nsource: {}\n", machine.name, machine.title, machine.source))?;
     let mut facts = tool_facts(machine);
-    facts.extend(controller_facts(machine));
+    if machine.controller.is_none() {
+        facts.push(fact("controller", "none: nothing can be sent to it"));
+    } else {
+        facts.extend(controller_facts(machine));
+    }
     line(&table(&facts))?;
     for keep_out in &machine.keep_outs {
         let [x, y, width, height, rise] =

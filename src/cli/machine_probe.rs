@@ -44,6 +44,7 @@ pub(super) fn run(args: &Args, library: &Library) -> Result<(), Failure> {
         return Err(Failure::config(format!("{} is there already: name another file, or give --force", out.display())));
     }
     let mut base = library.machine(args.machine.as_deref().unwrap_or(USUAL_MACHINE))?;
+    super::connection::require_board(&base)?;
     base.controller.baud = args.baud.unwrap_or(base.controller.baud);
     let talk = Talk::open_with(&args.port, base.controller.baud, false)?;
     let machine = job::probed(&talk.board, &base, &name);

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
+
 use super::batch::BatchArgs;
 use super::order::Shape;
 use super::output;
@@ -20,6 +22,9 @@ pub struct Args {
     /// Folder to write into [default: out/ and the shape's name, or the design's own folder]
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Paper that assembly sheets and patterns are printed on
+    #[arg(long, default_value = "a4")]
+    paper: Paper,
     /// Replace a different design in that folder
     #[arg(long)]
     force: bool,
@@ -31,11 +36,21 @@ pub struct Args {
     json: bool,
 }
 
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Paper {
+    A4,
+    Letter,
+}
+
 pub(super) fn run(args: Args) -> Result<(), Failure> {
     let mut order = args.shape.order()?;
     order.force = args.force;
     order.svg_kerf = args.svg_kerf;
     order.batch = args.batch.batch()?;
+    order.paper = match args.paper {
+        Paper::A4 => job::Paper::A4,
+        Paper::Letter => job::Paper::Letter,
+    };
     let out = args.out.unwrap_or_else(|| default_folder(&args.shape, &order.name));
     let mut screen = Screen::open()?;
     let made = job::make(&order, &Library::open(), &out, &mut screen);
@@ -102,12 +117,19 @@ fn tell(made: &Made, out: &Path) -> Result<(), Failure> {
         let place = if place.is_empty() { String::new() } else { format!(" ({})", place.join(", ")) };
         output::line(&format!("! {}{place}", warning.message))?;
     }
+    let next = if made.files.iter().any(|file| file.ends_with("print.pdf")) {
+        "\nto cut it: print print.pdf at 100 %, cut along the lines, and follow assembly.pdf".to_owned()
+    } else {
+        format!(
+            ": look at parts/ and sheets/*.png\nto cut it: furbelow send {o} -m {m} --port PORT  (furbelow ports names them), or load sheets/*.nc into your sender; then follow assembly.pdf",
+            o = quoted(out),
+            m = report.machine,
+        )
+    };
     output::line(&format!(
-        "\nwrote {} files to {}: look at parts/ and sheets/*.png\nto cut it: furbelow send {o} -m {m} --port PORT  (furbelow ports names them), or load the programs in sheets/ into your sender\nto change something: edit {d} and run  furbelow make {d}",
+        "\nwrote {} files to {}{next}\nto change something: edit {d} and run  furbelow make {d}",
         made.files.len(),
         out.display(),
-        o = quoted(out),
-        m = report.machine,
         d = quoted(&out.join("design.toml")),
     ))
 }

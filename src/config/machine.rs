@@ -18,7 +18,8 @@ pub struct Machine {
     pub title: String,
     /// Where the values come from, for all that carry no source of their own.
     pub source: String,
-    /// The motion controller and its settings.
+    /// The motion controller and its settings; left out where there is none, for printer and scissors.
+    #[serde(default = "Controller::none", skip_serializing_if = "Controller::is_none")]
     pub controller: Controller,
     /// What the tool reaches on a flat bed. A machine has either this or `roll`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -87,6 +88,9 @@ pub enum Dialect {
     Grbl,
     /// HP-GL in steps of 1/40 mm, which most roll cutters speak. The settings of the controller then only serve to estimate times.
     Hpgl,
+    /// No board: nothing can be sent. A file says so by leaving `controller` out.
+    #[serde(skip)]
+    None,
 }
 
 /// The rectangle the tool reaches on a bed, in the work frame: x to the right, y away from the person in front.
@@ -246,6 +250,8 @@ pub enum ToolClass {
     Knife,
     /// Pen: draws the lines, cut by hand.
     Pen,
+    /// A printer draws the lines, a person cuts them.
+    Scissors,
 }
 
 /// M words that switch air assist on; M9 switches it off.
@@ -317,12 +323,39 @@ impl Machine {
     }
 }
 
+impl Controller {
+    /// What a machine without a board has: nothing that moves.
+    fn none() -> Controller {
+        Controller {
+            dialect: Dialect::None,
+            baud: 0,
+            junction_deviation_mm: 0.0,
+            arc_tolerance_mm: 0.0,
+            max_s: 0.0,
+            min_s: 0.0,
+            laser_mode: false,
+            max_rate_mm_per_min: [0.0; 3],
+            acceleration_mm_per_s2: [0.0; 3],
+            max_travel_mm: [0.0; 3],
+            planner_blocks: 0,
+            rx_bytes: 0,
+            line_ms: 0.0,
+        }
+    }
+
+    /// True where there is no board.
+    pub fn is_none(&self) -> bool {
+        self.dialect == Dialect::None
+    }
+}
+
 impl Dialect {
     /// The words people read.
     pub fn title(self) -> &'static str {
         match self {
             Dialect::Grbl => "GRBL",
             Dialect::Hpgl => "HP-GL",
+            Dialect::None => "none",
         }
     }
 }
@@ -341,7 +374,8 @@ impl Corner {
 
 impl ToolClass {
     /// All classes, in the order they are listed to people.
-    pub const ALL: [ToolClass; 4] = [ToolClass::Diode, ToolClass::Co2, ToolClass::Knife, ToolClass::Pen];
+    pub const ALL: [ToolClass; 5] =
+        [ToolClass::Diode, ToolClass::Co2, ToolClass::Knife, ToolClass::Pen, ToolClass::Scissors];
 
     /// The word used in files.
     pub fn word(self) -> &'static str {
@@ -350,6 +384,7 @@ impl ToolClass {
             ToolClass::Co2 => "co2",
             ToolClass::Knife => "knife",
             ToolClass::Pen => "pen",
+            ToolClass::Scissors => "scissors",
         }
     }
 
@@ -360,6 +395,7 @@ impl ToolClass {
             ToolClass::Co2 => "CO2 laser",
             ToolClass::Knife => "drag knife",
             ToolClass::Pen => "pen",
+            ToolClass::Scissors => "printer and scissors",
         }
     }
 

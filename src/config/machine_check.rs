@@ -8,7 +8,12 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker<'_>) {
     checker.name("name", &machine.name);
     checker.text("title", &machine.title);
     checker.text("source", &machine.source);
-    controller(machine, checker);
+    let needs_board = machine.tool.class != ToolClass::Scissors;
+    if !machine.controller.is_none() {
+        controller(machine, checker);
+    } else if needs_board {
+        checker.problem("", "`controller` is missing");
+    }
     reach(machine, checker);
     tool(&machine.tool, checker);
     lift(machine, checker);
@@ -50,7 +55,10 @@ fn reach(machine: &Machine, checker: &mut Checker<'_>) {
         (Some(area), None) => {
             checker.positive("work_area.width_mm", area.width_mm);
             checker.positive("work_area.height_mm", area.height_mm);
-            let travel = machine.controller.max_travel_mm;
+            let travel = match machine.controller.is_none() {
+                true => [f64::INFINITY; 3],
+                false => machine.controller.max_travel_mm,
+            };
             for (path, value, travel) in
                 [("work_area.width_mm", area.width_mm, travel[0]), ("work_area.height_mm", area.height_mm, travel[1])]
             {

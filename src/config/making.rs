@@ -103,6 +103,8 @@ impl LabelsByTool {
             ToolClass::Co2 => self.co2,
             ToolClass::Knife => self.knife,
             ToolClass::Pen => self.pen,
+            // A printer draws all of them.
+            ToolClass::Scissors => None,
         }
     }
 }

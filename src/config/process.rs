@@ -66,6 +66,10 @@ impl Machine {
     /// Errors: [`Error::Forbidden`] when the profile says never, [`Error::NoProcess`] when it has no row for the tool,
     /// [`Error::NeedsCalibration`] and [`Error::TooStrong`] when its values cannot be carried over.
     pub fn pair(&self, profile: &Profile) -> Result<Pairing, Error> {
+        if self.tool.class == ToolClass::Scissors {
+            let cut = by_hand();
+            return Ok(Pairing { engrave: Some(cut.clone()), cut, pen: None, warnings: Vec::new() });
+        }
         let mut warnings = Vec::new();
         match profile.allowed.for_tool(self.tool.class) {
             (Some(Verdict::Never), reason) => {
@@ -110,6 +114,29 @@ impl Machine {
         }
         let pen = if engrave.is_none() { drawn(self, profile)? } else { None };
         Ok(Pairing { cut, engrave, pen, warnings })
+    }
+}
+
+/// How fast a person cuts along a line with knife and scissors, mm/min: from practice.
+const HAND_MM_PER_MIN: f64 = 400.0;
+
+/// A printer draws labels and lines; a person cuts on the line.
+fn by_hand() -> Process {
+    Process {
+        kerf_mm: 0.0,
+        feed_mm_per_min: HAND_MM_PER_MIN,
+        power: 0.0,
+        air: Air::Off,
+        pass_power: vec![1.0],
+        z_step_mm: 0.0,
+        lead_mm: None,
+        overcut_mm: None,
+        cool_mm: 0.0,
+        perforation: None,
+        bridges: None,
+        blade: None,
+        calibrated: true,
+        source: "by hand".to_owned(),
     }
 }
 

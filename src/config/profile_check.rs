@@ -235,10 +235,11 @@ fn allowed(profile: &Profile, checker: &mut Checker<'_>) {
         if matches!(verdict, Some(Verdict::Test | Verdict::Never)) && reason.is_none_or(|r| r.trim().is_empty()) {
             checker.problem(&path, format!("say why in `{}_reason`", class.word()));
         }
-        // A pen cuts nothing: it draws the lines.
+        // A pen cuts nothing: it draws the lines. A person needs no numbers.
         let kind = if class == ToolClass::Pen { ProcessKind::Engrave } else { ProcessKind::Cut };
         let cuts = profile.process.iter().any(|r| r.tool == class && r.operation == kind);
-        if matches!(verdict, Some(Verdict::Yes | Verdict::Test)) && !cuts {
+        let needs_row = class != ToolClass::Scissors;
+        if matches!(verdict, Some(Verdict::Yes | Verdict::Test)) && needs_row && !cuts {
             let does = if class == ToolClass::Pen { "draws on" } else { "cuts" };
             checker.problem(&path, format!("allowed, but no [[process]] says how a {} {does} it", class.title()));
         }

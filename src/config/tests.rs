@@ -68,6 +68,21 @@ fn every_built_in_pair_that_is_allowed_can_be_cut() {
 }
 
 #[test]
+fn scissors_cut_every_profile_along_its_lines_and_have_no_board() {
+    let library = Library::built_in();
+    let print = library.machine("print").expect("in order");
+    assert!(print.controller.is_none());
+    for profile in library.names(Kind::Profile).expect("built in") {
+        let pair = print.pair(&library.profile(&profile.name).expect("in order")).expect("a person can cut it");
+        assert!(pair.cut.kerf_mm == 0.0 && pair.engrave.is_some() && pair.warnings.is_empty());
+    }
+    let folder =
+        folder(&[("machines/mine.toml", "schema = 1\nname = 'mine'\ninherits = 'print'\n[tool]\nclass = 'knife'")]);
+    let knife = Library::with_folder(folder.path()).machine("mine").expect_err("a knife needs a board");
+    assert!(knife.to_string().contains("`controller` is missing"), "{knife}");
+}
+
+#[test]
 fn the_joints_hold_as_the_table_of_practice_says() {
     let library = Library::built_in();
     let expected = [
@@ -100,7 +115,7 @@ fn a_users_file_goes_first_and_may_build_on_the_built_in_of_its_own_name() {
     let library = Library::with_folder(folder.path());
     let names: Vec<_> =
         library.names(Kind::Machine).expect("readable").into_iter().map(|l| (l.name, l.place)).collect();
-    assert_eq!(names.len(), 6);
+    assert_eq!(names.len(), 7);
     assert_eq!(names[0], ("diode-400".into(), Place::BuiltIn));
     assert_eq!(names[2], ("k40".into(), Place::File(folder.path().join("machines/k40.toml"))));
     let mine = library.machine("mine").expect("in order");

@@ -4,6 +4,7 @@
 //! circular arcs, because those are what a G-code controller, DXF and SVG all draw exactly.
 
 mod arrangement;
+mod beside;
 mod company;
 mod fillet;
 mod path;
@@ -12,6 +13,7 @@ mod snap;
 pub mod tolerance;
 
 pub use arrangement::{Coverage, Enclosed, clip, enclosed};
+pub use beside::Obstacles;
 pub use company::MotionTree;
 pub use path::{Path, PathVertex, Segment};
 pub use polygon::{

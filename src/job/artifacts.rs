@@ -4,7 +4,7 @@ use super::output::Stage;
 use super::settings::Setup;
 use super::sheets::Sheets;
 use super::strips::Strips;
-use super::{Error, Order, Realised, dry_run, pictures, ruffle_json};
+use super::{Error, Order, Realised, assembly, dry_run, pictures, ruffle_json};
 use crate::drawing::{self, Drawing};
 use crate::preview::{Canvas, Run};
 use crate::progress::{Observer, Progress};
@@ -67,10 +67,16 @@ pub(super) fn write(
         if let Some(pen) = &sheet.pen {
             stage.write(&format!("pen/{}.{}", sheet.file, sheet.ending), pen.as_bytes())?;
         }
-        stage.write(&name(sheet.ending), sheet.text.as_bytes())?;
-        png(stage, &name("png"), &pictures::sheet(sheet, run, setup), pictures::SHEET_PX)?;
+        if !setup.by_hand() {
+            stage.write(&name(sheet.ending), sheet.text.as_bytes())?;
+            png(stage, &name("png"), &pictures::sheet(sheet, run, setup), pictures::SHEET_PX)?;
+        }
     }
-    if let Some(page) = dry_run::page(&order.name, &runs, setup)? {
+    for (name, bytes) in assembly::files(order, setup, realised, strips, sheets) {
+        stage.write(name, &bytes)?;
+    }
+    let page = if setup.by_hand() { None } else { dry_run::page(&order.name, &runs, setup)? };
+    if let Some(page) = page {
         stage.write(dry_run::PAGE, page.as_bytes())?;
     }
     Ok(())

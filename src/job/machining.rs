@@ -45,7 +45,7 @@ impl Setup {
             overcut_mm: self.pairing.cut.overcut_mm.unwrap_or_else(|| OVERCUT_TRAILS * self.blade_mm()),
             cool_mm: self.pairing.cut.cool_mm,
             common_edges: self.profile.common_edges,
-            crosses: true,
+            crosses: !self.by_hand(),
             window_mm: roll.map(|roll| roll.window_mm),
             cross_cut: roll.is_some_and(|roll| roll.backing == Backing::None),
             frame: toolpath::Frame { turned: self.turned(), zero: zero(&self.machine, start) },
@@ -81,7 +81,8 @@ impl Setup {
 
     /// True when nothing keeps what is cut out of the sheet in its place.
     pub(super) fn is_loose(&self) -> bool {
-        let thin = self.profile.thickness_mm < THIN_MM && self.machine.tool.class != ToolClass::Pen;
+        let cuts = !matches!(self.machine.tool.class, ToolClass::Pen | ToolClass::Scissors);
+        let thin = cuts && self.profile.thickness_mm < THIN_MM;
         thin && self.machine.hold == Hold::None && self.machine.roll.is_none() && self.bridges().is_none()
     }
 
@@ -92,7 +93,7 @@ impl Setup {
 
     fn tool(&self) -> toolpath::Tool {
         match self.machine.tool.class {
-            ToolClass::Pen => toolpath::Tool::Pen,
+            ToolClass::Pen | ToolClass::Scissors => toolpath::Tool::Pen,
             ToolClass::Knife => toolpath::Tool::Knife { offset_mm: self.blade_mm() },
             // Below its floor a diode is only weak, and within a micrometre of a corner; a CO2 tube goes out.
             ToolClass::Diode => toolpath::Tool::Laser { strike: None },
@@ -108,7 +109,7 @@ impl Setup {
     fn blade_mm(&self) -> f64 {
         match self.machine.tool.class {
             ToolClass::Knife => self.pairing.cut.blade.map_or(0.0, |blade| blade.offset_mm),
-            ToolClass::Diode | ToolClass::Co2 | ToolClass::Pen => 0.0,
+            ToolClass::Diode | ToolClass::Co2 | ToolClass::Pen | ToolClass::Scissors => 0.0,
         }
     }
 

@@ -8,6 +8,7 @@
 //! their folder and renamed at the end, so a failure leaves what was there before.
 
 mod artifacts;
+mod assembly;
 mod bodies;
 mod border;
 mod change;
@@ -47,6 +48,7 @@ pub use settings::{check_settings, expected, limits};
 pub use sheets::minutes;
 pub use survey::{PartSurvey, SectionSurvey, Survey, survey};
 
+pub use crate::assembly::Paper;
 pub use crate::toolpath::Anchor;
 
 use crate::config::Library;

@@ -2,6 +2,7 @@
 
 use super::Error;
 use super::output::{absolute, relative};
+use crate::assembly::Paper;
 use crate::config::Making;
 use crate::design::{self, Design, Edit, Foot, MeshSource, OutlineSource, PartDesign, SCHEMA, StripAlong, Up};
 use crate::mesh;
@@ -27,6 +28,8 @@ pub struct Order {
     pub svg_kerf: bool,
     /// What is cut this time, how often, and where the machine begins; no part of the design.
     pub batch: Batch,
+    /// What assembly sheets are printed on.
+    pub paper: Paper,
 }
 
 /// What is cut this time.
@@ -104,16 +107,9 @@ impl Order {
             connectors: Vec::new(),
             edits: Vec::new(),
         };
-        let name = stem(&mesh);
-        Ok(Order {
-            design: overridden(design, overrides)?,
-            source: None,
-            folder,
-            name,
-            force: false,
-            svg_kerf: false,
-            batch: Batch::default(),
-        })
+        let (name, paper, batch) = (stem(&mesh), Paper::default(), Batch::default());
+        let design = overridden(design, overrides)?;
+        Ok(Order { design, source: None, folder, name, force: false, svg_kerf: false, batch, paper })
     }
 
     /// A design file.
@@ -137,15 +133,8 @@ impl Order {
             None => design.parts.iter().map(|p| p.name.as_str()).collect::<Vec<&str>>().join("-"),
         };
         let source = Some(Source { file: file.to_owned(), text });
-        Ok(Order {
-            design: overridden(design, overrides)?,
-            source,
-            folder,
-            name,
-            force: false,
-            svg_kerf: false,
-            batch: Batch::default(),
-        })
+        let (design, paper) = (overridden(design, overrides)?, Paper::default());
+        Ok(Order { design, source, folder, name, force: false, svg_kerf: false, batch: Batch::default(), paper })
     }
 
     /// A design that comes with the program ([`design::built_in`]); any other name is a file that is not there.

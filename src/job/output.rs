@@ -1,6 +1,6 @@
 //! Putting files into the output folder without losing what is there.
 
-use super::{Error, Order};
+use super::{Error, Order, assembly, dry_run};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
@@ -16,6 +16,9 @@ pub(super) struct Stage {
 /// Folders whose files are all ours: what an earlier run left there and this one does not replace is removed, so that nobody cuts a sheet of last week.
 const OWN_FOLDERS: [(&str, &[&str]); 3] =
     [("parts", &["svg", "png"]), ("strips", &["svg", "dxf"]), ("sheets", &["svg", "dxf", "nc", "png"])];
+
+/// Files of ours beside them that not every job has.
+const OWN_FILES: [&str; 2] = [assembly::PATTERNS, dry_run::PAGE];
 
 impl Stage {
     /// Opens a staging folder inside `target`, so that both are on the same file system.
@@ -80,7 +83,8 @@ impl Stage {
     /// Files of ours that this run does not write.
     fn stale(&self) -> Vec<PathBuf> {
         let wanted: BTreeSet<PathBuf> = self.files.iter().map(|f| self.target.join(f)).collect();
-        let mut stale = Vec::new();
+        let beside = OWN_FILES.iter().map(|name| self.target.join(name));
+        let mut stale: Vec<PathBuf> = beside.filter(|p| p.is_file() && !wanted.contains(p)).collect();
         for (folder, endings) in OWN_FOLDERS {
             let Ok(entries) = fs::read_dir(self.target.join(folder)) else { continue };
             let paths = entries.flatten().map(|entry| entry.path());

@@ -21,6 +21,8 @@ use std::time::Instant;
 /// A design's parts, filled.
 #[derive(Debug, Clone)]
 pub struct Realised {
+    /// The shape, where there is one; mesh frame, mm.
+    pub mesh: Option<TriMesh>,
     /// In the design's order.
     pub parts: Vec<Part>,
     /// Joints of different parts that connectors tie.
@@ -76,7 +78,7 @@ pub fn realise(design: &Design, folder: &Path, setup: &Setup, observer: &mut dyn
     let ties = ties::ties(design, &settled, &standing.meetings);
     let solve_ms = began.elapsed().as_secs_f64() * 1e3;
 
-    let mut realised = Realised { parts: settled, ties, based: Vec::new(), warnings, fit_ms, solve_ms };
+    let mut realised = Realised { mesh, parts: settled, ties, based: Vec::new(), warnings, fit_ms, solve_ms };
     for (i, part) in realised.parts.iter().enumerate() {
         realised.based.push(part.report.foot == FootUsed::Pinned && standing.on_the_ground(i));
         realised.warnings.extend(fit::warnings(part, &settings[i]));

@@ -87,7 +87,7 @@ pub struct PieceReport {
 /// One sheet.
 #[derive(Debug, Clone, Serialize)]
 pub struct SheetReport {
-    /// The program, relative to the output folder.
+    /// The program, or the drawing where it is cut by hand; relative to the output folder.
     pub file: String,
     /// What it is cut from.
     pub stock: String,

@@ -15,6 +15,9 @@ use crate::{cut, fit, gcode, mesh, nest, sim, stream, strip};
 const PEN_LABEL_MM: f64 = 5.0;
 const PERFORATED_LABEL_MM: f64 = 6.0;
 
+/// Pieces keep this far from the edge of stock that goes through a printer, mm: what [`crate::assembly::patterns`] needs to put a full A4 sheet on one page.
+const PRINT_MARGIN_MM: f64 = 13.0;
+
 /// Machine, material and how they go together.
 #[derive(Debug, Clone)]
 pub struct Setup {
@@ -91,7 +94,7 @@ impl Setup {
     }
 
     /// How pieces are labelled: as the design says, else the material for this tool, else engraved where that can be done.
-    fn label_kind(&self) -> LabelKind {
+    pub(super) fn label_kind(&self) -> LabelKind {
         let usual = if self.pairing.engrave.is_some() { LabelKind::Engrave } else { LabelKind::Map };
         let wanted = self.making.label.or_else(|| self.profile.label.for_tool(self.machine.tool.class));
         match wanted.unwrap_or(usual) {
@@ -130,6 +133,16 @@ impl Setup {
             strip::Labels::Strokes { height_mm } => Some(height_mm),
             strip::Labels::Perforated { .. } | strip::Labels::Notches | strip::Labels::Nothing => None,
         }
+    }
+
+    /// True for a job that a person cuts along printed lines: it has drawings and patterns, and no programs.
+    pub fn by_hand(&self) -> bool {
+        self.machine.tool.class == ToolClass::Scissors
+    }
+
+    /// Distance between pieces and the edge of the stock, mm. Printers leave an edge white and a line with the rule stands at the foot.
+    pub fn margin_mm(&self) -> f64 {
+        if self.by_hand() { self.profile.margin_mm.max(PRINT_MARGIN_MM) } else { self.profile.margin_mm }
     }
 
     /// What the head reaches of a sheet in the stop corner, mm along and across the sheet: a roll's x is its feed.
@@ -265,10 +278,7 @@ impl Setup {
     pub fn nest(&self) -> nest::Settings {
         // The cut itself needs room, however close the user wants the pieces.
         let kerf = self.pairing.cut.kerf_mm;
-        nest::Settings {
-            spacing_mm: self.profile.spacing_mm.max(kerf),
-            margin_mm: self.profile.margin_mm.max(0.5 * kerf),
-        }
+        nest::Settings { spacing_mm: self.profile.spacing_mm.max(kerf), margin_mm: self.margin_mm().max(0.5 * kerf) }
     }
 
     /// Turns a piece may take on a sheet whose grain runs along x, degrees.

@@ -35,7 +35,7 @@ pub(super) struct CutSheet {
     pub drawings: Vec<Drawing>,
     /// What the tool follows.
     pub toolpath: Toolpath,
-    /// What the machine reads.
+    /// What the machine reads; empty for a job that is cut by hand.
     pub text: String,
     /// What a pen in the tool's place draws before, as the machine reads it.
     pub pen: Option<String>,
@@ -147,6 +147,12 @@ fn program(
         written(&file, place, drawings, [layout.width_mm, layout.height_mm], settings, setup, order)
     };
     let settings = setup.toolpath(start);
+    if setup.by_hand() {
+        let toolpath = planned(&file, &drawings, [layout.width_mm, layout.height_mm], &settings)?;
+        let time_s = 60.0 * toolpath.cut_mm() / setup.pairing.cut.feed_mm_per_min;
+        let (stock, text, pen, moves) = (place.stock.to_owned(), String::new(), None, Vec::new());
+        return Ok(CutSheet { stock, file, ending: "svg", layout, drawings, toolpath, text, pen, moves, time_s });
+    }
     let (pen, program) = match setup.drawing(start) {
         Some(drawing) => (Some(written(&drawings, &drawing)?.text), written(&drawings, &settings)?),
         None => (None, written(&drawings, &settings)?),
@@ -164,20 +170,29 @@ struct Written {
     time_s: f64,
 }
 
+fn planned(
+    file: &str,
+    drawings: &[Drawing],
+    [width_mm, height_mm]: [f64; 2],
+    settings: &toolpath::Settings,
+) -> Result<Toolpath, Error> {
+    toolpath::plan(drawings, width_mm, height_mm, settings)
+        .map_err(|source| Error::Toolpath { sheet: file.to_owned(), source })
+}
+
 /// Plans, writes, reads back and checks one program.
 fn written(
     file: &str,
     place: Place,
     drawings: &[Drawing],
-    [width_mm, height_mm]: [f64; 2],
+    size_mm: [f64; 2],
     settings: &toolpath::Settings,
     setup: &Setup,
     order: &Order,
 ) -> Result<Written, Error> {
     let sheet = || file.to_owned();
     let start = &order.batch.start;
-    let toolpath = toolpath::plan(drawings, width_mm, height_mm, settings)
-        .map_err(|source| Error::Toolpath { sheet: sheet(), source })?;
+    let toolpath = planned(file, drawings, size_mm, settings)?;
     let refused = |source| Error::Gcode { sheet: sheet(), source };
     let checked = check_settings(setup, start, &toolpath);
     let (text, moves, findings) = if let Some(plotter) = setup.plotter() {

@@ -85,12 +85,13 @@ fn parse_roll(given: Option<&str>, roll: &Roll, setup: &Setup) -> Result<Sheet, 
     Ok(Sheet { name, width_mm: roll.max_length_mm, height_mm, count: None, grain: StockGrain::Long, roll: true })
 }
 
-/// ISO 216 A sizes, landscape, mm: known to everybody whether the profile lists them or not.
+/// ISO 216 A sizes and US letter, landscape, mm: known to everybody whether the profile lists them or not.
 fn paper_size(name: &str) -> Option<(f64, f64)> {
     match name.to_ascii_uppercase().as_str() {
         "A5" => Some((210.0, 148.0)),
         "A4" => Some((297.0, 210.0)),
         "A3" => Some((420.0, 297.0)),
+        "LETTER" => Some((279.4, 215.9)),
         "A2" => Some((594.0, 420.0)),
         _ => None,
     }
@@ -172,13 +173,13 @@ const FIT_SLACK_MM: f64 = 0.1;
 /// Longest piece that fits a sheet the way strips run, mm.
 pub(super) fn longest_piece_mm(sheet: &Sheet, setup: &Setup) -> f64 {
     let [along, _] = sides_mm(sheet, setup);
-    along - 2.0 * setup.profile.margin_mm - FIT_SLACK_MM
+    along - 2.0 * setup.margin_mm() - FIT_SLACK_MM
 }
 
 /// Widest piece that fits a sheet across the way strips run, mm.
 pub(super) fn widest_piece_mm(sheet: &Sheet, setup: &Setup) -> f64 {
     let [_, across] = sides_mm(sheet, setup);
-    across - 2.0 * setup.profile.margin_mm - FIT_SLACK_MM
+    across - 2.0 * setup.margin_mm() - FIT_SLACK_MM
 }
 
 /// Extent of a sheet along and across the way strips run, mm. Its grain runs along x.

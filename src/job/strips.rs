@@ -4,7 +4,7 @@ use super::settings::Setup;
 use super::stock::{self, Sheet};
 use super::{Error, Realised};
 use crate::progress::Warning;
-use crate::strip::{self, Connector, Piece};
+use crate::strip::{self, Connector, Piece, Splice};
 
 /// Pieces of all parts and the sheets they are meant for.
 #[derive(Debug, Clone)]
@@ -13,6 +13,8 @@ pub(super) struct Strips {
     pub pieces: Vec<Piece>,
     /// Connectors, each also among the pieces.
     pub connectors: Vec<Connector>,
+    /// How pieces of one strip are joined.
+    pub splices: Vec<Splice>,
     /// Sheets to cut from, in order of preference.
     pub stock: Vec<Sheet>,
     /// Worst over all joints, mm.
@@ -40,11 +42,11 @@ impl Strips {
 }
 
 /// Lays all parts flat. Where the design names stock, the first of it is taken on which every piece fits, or all of it together when no single one will do. Where it
-/// names none, the material's stock is tried, what lies on the machine without hanging over first, and the fewest pieces win: a splice is work and a weak place.
+/// names none, a job cut by hand takes the material's own in the same way, since what fits the printer comes first there; else the material's stock is tried, what lies on the machine without hanging over first, and the fewest pieces win: a splice is work and a weak place.
 pub(super) fn strips(realised: &Realised, setup: &Setup) -> Result<Strips, Error> {
     let sheets = stock::sheets(setup)?;
     let tried = |sheet: &Sheet| flat(realised, setup, vec![sheet.clone()]).map(|s| (fits(&s, sheet, setup), s));
-    if !setup.stock.is_empty() {
+    if !setup.stock.is_empty() || setup.by_hand() {
         let first = sheets.iter().filter(|s| s.count.is_none()).map(tried).find(|t| matches!(t, Ok((true, _))));
         return match first {
             Some(Ok((_, strips))) => Ok(strips),
@@ -85,6 +87,7 @@ fn flat(realised: &Realised, setup: &Setup, stock: Vec<Sheet>) -> Result<Strips,
     let mut strips = Strips {
         pieces: Vec::new(),
         connectors: Vec::new(),
+        splices: Vec::new(),
         stock,
         max_mating_error_mm: 0.0,
         label_collisions: 0,
@@ -93,6 +96,7 @@ fn flat(realised: &Realised, setup: &Setup, stock: Vec<Sheet>) -> Result<Strips,
     for part in &realised.parts {
         let pieces = strip::pieces(part, &settings)?;
         strips.pieces.extend(pieces.pieces);
+        strips.splices.extend(pieces.splices);
         strips.max_mating_error_mm = strips.max_mating_error_mm.max(pieces.max_mating_error_mm);
         strips.label_collisions += pieces.label_collisions;
         strips.warnings.extend(pieces.warnings);

@@ -3,7 +3,6 @@
 
 mod canvas;
 mod html;
-mod labels;
 mod pack;
 mod part;
 mod png;

@@ -1,10 +1,9 @@
 //! The picture of one folded ruffle in its outline.
 
 use super::canvas::{Align, Canvas, Colour, Stroke, Text};
-use super::labels::Obstacles;
 use crate::cut::Outline;
 use crate::drawing::{svg_number, text_width};
-use crate::geom::{P2, Rect, V2};
+use crate::geom::{Obstacles, P2, Rect, V2};
 use crate::ruffle::{Role, Ruffle, Section};
 
 /// What a part's picture shows; plane frame, mm, floor at v = 0.

@@ -58,7 +58,7 @@ pub(super) fn tour(places: &[Vec<Visit>], rules: &Rules) -> Vec<(usize, usize)> 
 
 type Stop = (usize, usize);
 
-fn visit<'a>(stop: Stop, places: &'a [Vec<Visit>]) -> &'a Visit {
+fn visit(stop: Stop, places: &[Vec<Visit>]) -> &Visit {
     &places[stop.0][stop.1]
 }
 

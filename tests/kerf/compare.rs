@@ -105,23 +105,27 @@ fn nothing_lost(nominal: &[Nominal], runs: &[Run], half_kerf_mm: f64, found: &mu
                     // A blade removes nothing: on the rim both sides of it are right.
                     found.note(if half_kerf_mm > 0.0 { off } else { off.abs() }, place);
                 }
-                "cut-inner" => match cuts.nearest(p) {
-                    None => found.note(f64::INFINITY, place),
-                    Some((distance, index)) => {
-                        let path = inner[index];
-                        let wanted = if path.kerf == "on" { 0.0 } else { half_kerf_mm };
-                        // A lead may lie anywhere in what falls out.
-                        let waste = path.closed && path.kerf == "inside" && path.holds(p);
-                        found.note(if waste { wanted - distance } else { (distance - wanted).abs() }, place);
-                        if wanted > 0.0 && side(path, p) * path.waste_side() < 0.0 {
-                            found.note(distance + wanted, place);
-                        }
-                    }
-                },
+                "cut-inner" => {
+                    // A slit runs into the hole at its end: a place that is right for one of the cuts it touches is right.
+                    let near = cuts.lines(p).into_iter().map(|index| astray(inner[index], p, half_kerf_mm));
+                    found.note(near.fold(f64::INFINITY, f64::min), place);
+                }
                 _ => found.note(lines.distance(p), place),
             }
         }
     }
+}
+
+/// How far the middle of the tool at `p` is from where it may be for this cut, mm.
+fn astray(path: &Nominal, p: Point, half_kerf_mm: f64) -> f64 {
+    let distance = path.distance(p);
+    let wanted = if path.kerf == "on" { 0.0 } else { half_kerf_mm };
+    if wanted > 0.0 && side(path, p) * path.waste_side() < 0.0 {
+        return distance + wanted;
+    }
+    // A lead may lie anywhere in what falls out.
+    let waste = path.closed && path.kerf == "inside" && path.holds(p);
+    if waste { wanted - distance } else { (distance - wanted).abs() }
 }
 
 /// +1 on the left of the stretch of a path nearest to `p`, -1 on its right; 0 where a corner or an end is nearest.

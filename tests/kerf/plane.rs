@@ -1,6 +1,6 @@
 //! Points and distances, with a grid so that a sheet of them is searched quickly.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
@@ -62,9 +62,12 @@ pub fn walk(points: &[Point], step: f64) -> Vec<(Point, Point)> {
     walked
 }
 
+/// A stretch of a segment and the index of its line.
+type Piece = (Point, Point, usize);
+
 /// Segments in cells, for distances up to `REACH`.
 pub struct Grid {
-    cells: HashMap<(i64, i64), Vec<(Point, Point, usize)>>,
+    cells: HashMap<(i64, i64), Vec<Piece>>,
 }
 
 const REACH: f64 = 1.0;
@@ -72,7 +75,7 @@ const REACH: f64 = 1.0;
 impl Grid {
     /// All segments of some polylines; each keeps the index of its line.
     pub fn of<'a>(lines: impl Iterator<Item = &'a [Point]>) -> Grid {
-        let mut cells: HashMap<(i64, i64), Vec<(Point, Point, usize)>> = HashMap::new();
+        let mut cells: HashMap<(i64, i64), Vec<Piece>> = HashMap::new();
         for (index, line) in lines.enumerate() {
             for pair in line.windows(2) {
                 // Long segments are cut up, so that each lies in few cells.
@@ -88,18 +91,20 @@ impl Grid {
         Grid { cells }
     }
 
-    /// Distance to the nearest segment and the index of its line, if one lies within reach.
-    pub fn nearest(&self, p: Point) -> Option<(f64, usize)> {
+    fn near(&self, p: Point) -> impl Iterator<Item = &Piece> {
         let (i, j) = cell(p);
-        let near = (-2..=2).flat_map(|di| (-2..=2).map(move |dj| (i + di, j + dj)));
-        near.filter_map(|c| self.cells.get(&c))
-            .flatten()
-            .map(|(a, b, index)| (foot(p, *a, *b).to(p), *index))
-            .min_by(|x, y| x.0.total_cmp(&y.0))
+        let cells = (-2..=2).flat_map(move |di| (-2..=2).map(move |dj| (i + di, j + dj)));
+        cells.filter_map(|c| self.cells.get(&c)).flatten()
     }
 
+    /// Distance to the nearest segment within reach.
     pub fn distance(&self, p: Point) -> f64 {
-        self.nearest(p).map_or(f64::INFINITY, |n| n.0)
+        self.near(p).map(|(a, b, _)| foot(p, *a, *b).to(p)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Indices of the lines within reach.
+    pub fn lines(&self, p: Point) -> BTreeSet<usize> {
+        self.near(p).map(|(_, _, index)| *index).collect()
     }
 }
 

@@ -80,7 +80,7 @@ struct Sending<'a> {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let machine = Library::open().machine(&args.at.machine)?;
+    let machine = args.at.machine()?;
     let mut teller = Teller::new(args.json, machine.controller.max_s);
     let sent = send(args, machine, &mut teller).map_err(|failure| match failure.is_broken_pipe() {
         // For what only prints that is the end; a job that was broken off must not look like success.

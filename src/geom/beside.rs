@@ -1,6 +1,6 @@
-//! Finds a free place beside a point for its label.
+//! Finds a free place beside each of many points, for its label.
 
-use crate::geom::{P2, Rect, V2};
+use super::{P2, Rect, V2};
 use std::f64::consts::TAU;
 
 /// Directions tried around a dot.
@@ -15,8 +15,9 @@ const COST_ON_DOT: f64 = 200.0;
 const COST_ON_LINE: f64 = 10.0;
 const COST_NEAR_LINE: f64 = 3.0;
 
-/// What labels keep clear of, mm.
-pub(super) struct Obstacles<'a> {
+/// What labels keep clear of.
+#[derive(Debug, Clone, Copy)]
+pub struct Obstacles<'a> {
     /// Straight pieces of the curve.
     pub lines: &'a [(P2, P2)],
     /// The dots that get labels.
