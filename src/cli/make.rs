@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::batch::BatchArgs;
 use super::order::Shape;
 use super::output;
 use super::screen::Screen;
@@ -14,6 +15,8 @@ use crate::job::{self, Made, minutes};
 pub struct Args {
     #[command(flatten)]
     shape: Shape,
+    #[command(flatten)]
+    batch: BatchArgs,
     /// Folder to write into [default: out/ and the shape's name, or the design's own folder]
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -32,6 +35,7 @@ pub(super) fn run(args: Args) -> Result<(), Failure> {
     let mut order = args.shape.order()?;
     order.force = args.force;
     order.svg_kerf = args.svg_kerf;
+    order.batch = args.batch.batch()?;
     let out = args.out.unwrap_or_else(|| default_folder(&args.shape, &order.name));
     let mut screen = Screen::open()?;
     let made = job::make(&order, &Library::open(), &out, &mut screen);

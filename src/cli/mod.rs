@@ -3,6 +3,7 @@
 //! A command returns `Result<(), Failure>`; what a [`Failure`] says goes to stderr as a chain, its [`Exit`] becomes the process's exit code.
 //! To add a command: a file with its `Args` and a `run`, a variant in [`Command`], an arm in [`Command::run`].
 
+mod batch;
 mod check;
 mod completions;
 mod connection;

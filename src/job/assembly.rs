@@ -5,7 +5,7 @@ use super::sheets::{Sheets, minutes};
 use super::strips::Strips;
 use super::{Order, Realised};
 use crate::assembly::{self, Book, Card, CutSheet, Handling, Marks, Paper, book, patterns};
-use crate::config::{Grain, LabelKind, Process, StockGrain};
+use crate::config::{Grain, LabelKind, Process, StockGrain, ToolClass};
 use crate::design::{self, StripAlong};
 
 /// The assembly sheets.
@@ -80,16 +80,7 @@ fn card(setup: &Setup, sheets: &Sheets) -> Card {
     let (machine, profile, pairing) = (&setup.machine, &setup.profile, &setup.pairing);
     let mut facts = vec![("Machine", machine.title.clone()), ("Material", profile.title.clone())];
     if !setup.by_hand() {
-        facts.push(("Cut", process(&pairing.cut)));
-        facts.push(("Kerf", format!("{} mm, already in the programs", pairing.cut.kerf_mm)));
-        let marks = match (setup.label_kind(), &pairing.engrave) {
-            (LabelKind::Engrave, Some(settings)) => process(settings),
-            (LabelKind::Pen, _) => "with a pen: black in sheets/*.svg and *.dxf, layer \"engrave\"".to_owned(),
-            (LabelKind::Perforate, _) => "numbers are cut in dashes".to_owned(),
-            (LabelKind::Notch, _) => "notches in the edges are cut with the outlines".to_owned(),
-            (LabelKind::Engrave | LabelKind::Map, _) => "nothing".to_owned(),
-        };
-        facts.push(("Labels", marks));
+        facts.extend(at_the_machine(setup));
         let total_s: f64 = sheets.sheets.iter().map(|sheet| sheet.time_s).sum();
         facts.push(("Time", format!("{} in all", minutes(total_s))));
     }
@@ -108,13 +99,41 @@ fn card(setup: &Setup, sheets: &Sheets) -> Card {
     }
 }
 
-fn process(process: &Process) -> String {
-    let passes = if process.passes == 1 { "1 pass".to_owned() } else { format!("{} passes", process.passes) };
-    format!(
-        "{:.0} mm/min ({:.0} mm/s), power {:.0} %, {passes}, air {}",
-        process.feed_mm_per_min,
-        process.feed_mm_per_min / 60.0,
-        100.0 * process.power,
-        process.air.word()
-    )
+/// How it is cut and marked.
+fn at_the_machine(setup: &Setup) -> Vec<(&'static str, String)> {
+    let cut = &setup.pairing.cut;
+    let told = |process: &Process| told(process, setup.machine.tool.class);
+    if setup.machine.tool.class == ToolClass::Pen {
+        return vec![("Lines", told(cut))];
+    }
+    let mut facts = vec![("Cut", told(cut))];
+    if cut.kerf_mm > 0.0 {
+        facts.push(("Kerf", format!("{} mm, already in the programs", cut.kerf_mm)));
+    }
+    let labels = match (setup.marking(), setup.pen(), setup.label_kind()) {
+        (Some(marks), ..) => told(marks),
+        (None, Some(_), _) => "drawn first by a pen in the tool's place: the programs in pen/, same zero".into(),
+        (None, None, LabelKind::Pen) => "with a pen: black in sheets/*.svg and *.dxf, layer \"engrave\"".into(),
+        (None, None, LabelKind::Perforate) => "numbers are cut in dashes".into(),
+        (None, None, LabelKind::Notch) => "notches in the edges are cut with the outlines".into(),
+        (None, None, LabelKind::Engrave | LabelKind::Map) => "nothing".into(),
+    };
+    facts.push(("Labels", labels));
+    facts
+}
+
+fn told(process: &Process, tool: ToolClass) -> String {
+    let passes = match process.pass_power.len() {
+        1 => "1 pass".to_owned(),
+        n => format!("{n} passes"),
+    };
+    let feed = process.feed_mm_per_min;
+    let speed = format!("{feed:.0} mm/min ({:.0} mm/s)", feed / 60.0);
+    match (tool.is_laser(), process.blade) {
+        (true, _) => format!("{speed}, power {:.0} %, {passes}, air {}", 100.0 * process.power, process.air.word()),
+        (false, Some(blade)) => {
+            format!("{speed}, blade {:.0} deg, {:.0} gf, {passes}", blade.angle_deg, blade.force_gf)
+        }
+        (false, None) => format!("{speed}, {passes}"),
+    }
 }
