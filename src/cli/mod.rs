@@ -22,9 +22,11 @@ mod output;
 mod ports;
 mod preview;
 mod profile;
+mod profile_set;
 mod screen;
 mod send;
 mod talk;
+mod today;
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -67,9 +69,9 @@ pub enum Command {
     /// Cutters: list them, show one, check a file of your own, make one of what a board tells
     #[command(subcommand)]
     Machine(machine::Command),
-    /// Sheet materials: list them, show one, check a file of your own
+    /// Sheet materials: list them, show one, check a file of your own, set values
     #[command(subcommand)]
-    Profile(files::Command),
+    Profile(profile::Command),
     /// Print a completion script for a shell
     Completions(completions::Args),
 }
