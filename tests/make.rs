@@ -193,7 +193,7 @@ fn clear_film_on_a_diode_is_refused_with_the_reason() {
 fn where_nothing_can_be_engraved_nothing_but_cuts_is_made() {
     let folder = tempfile::tempdir().unwrap();
     let shape = model("cuboid");
-    let args = ["make", shape.to_str().unwrap(), "-m", "k40", "-p", "polyester-0.1", "--stock", "A4", "--out", "out"];
+    let args = ["make", shape.to_str().unwrap(), "-m", "k40", "-p", "paper-80", "--stock", "A4", "--out", "out"];
     let output = furbelow(folder.path(), &args);
     assert_eq!(code(&output), 0, "{}", told(&output));
     let report = report(folder.path());

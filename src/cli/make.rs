@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 
+use super::batch::BatchArgs;
 use super::order::Shape;
 use super::output;
 use super::screen::Screen;
@@ -16,6 +17,8 @@ use crate::job::{self, Made, minutes};
 pub struct Args {
     #[command(flatten)]
     shape: Shape,
+    #[command(flatten)]
+    batch: BatchArgs,
     /// Folder to write into [default: out/ and the shape's name, or the design's own folder]
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -43,6 +46,7 @@ pub(super) fn run(args: Args) -> Result<(), Failure> {
     let mut order = args.shape.order()?;
     order.force = args.force;
     order.svg_kerf = args.svg_kerf;
+    order.batch = args.batch.batch()?;
     order.paper = match args.paper {
         Paper::A4 => job::Paper::A4,
         Paper::Letter => job::Paper::Letter,

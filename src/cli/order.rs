@@ -23,6 +23,9 @@ pub(super) struct Shape {
     /// Sheets to cut from: A4, A3, or WxH in mm, with @N for how many there are; several in order of preference
     #[arg(long, value_name = "A4|A3|WxH[@N]", value_delimiter = ',')]
     stock: Vec<String>,
+    /// Cut from a roll of this width instead of sheets
+    #[arg(long, value_name = "MM", conflicts_with = "stock")]
+    roll: Option<f64>,
     /// Scale the shape to this height
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     height_mm: Option<f64>,
@@ -83,7 +86,7 @@ impl Shape {
         Overrides {
             machine: self.machine.clone(),
             material: self.material.clone(),
-            stock: self.stock.clone(),
+            stock: self.roll.map_or_else(|| self.stock.clone(), |width_mm| vec![format!("roll {width_mm}")]),
             height_mm: self.height_mm,
             up: self.up.map(|up| match up {
                 Up::X => design::Up::X,

@@ -18,13 +18,17 @@ use super::{machine_check, profile_check, read, schema};
 /// Names the folder that stands in for the platform's config folder.
 pub const FOLDER_VARIABLE: &str = "FURBELOW_CONFIG_DIR";
 
-const MACHINES: [(&str, &str); 3] = [
+const MACHINES: [(&str, &str); 6] = [
     ("diode-400", include_str!("../../machines/diode-400.toml")),
+    ("diode-5w", include_str!("../../machines/diode-5w.toml")),
     ("k40", include_str!("../../machines/k40.toml")),
+    ("pen-a3", include_str!("../../machines/pen-a3.toml")),
     ("print", include_str!("../../machines/print.toml")),
+    ("roll-610", include_str!("../../machines/roll-610.toml")),
 ];
 
-const PROFILES: [(&str, &str); 4] = [
+const PROFILES: [(&str, &str); 5] = [
+    ("felt-soft-1", include_str!("../../profiles/felt-soft-1.toml")),
     ("felt-stiff-1", include_str!("../../profiles/felt-stiff-1.toml")),
     ("paper-160", include_str!("../../profiles/paper-160.toml")),
     ("paper-80", include_str!("../../profiles/paper-80.toml")),

@@ -29,7 +29,8 @@ pub use error::{Error, Kind};
 pub use joint::{Dashes, Holes, Joint, Joints};
 pub use library::{FOLDER_VARIABLE, Library, Listed, Place};
 pub use machine::{
-    AirCode, AirCodes, Axis, Controller, Corner, Dialect, KeepOut, Machine, Roll, Tool, ToolClass, WorkArea,
+    AirCode, AirCodes, Axis, Backing, Controller, Corner, Dialect, Hold, KeepOut, Lift, Machine, Roll, Servo, Tool,
+    ToolClass, WorkArea,
 };
 pub use making::{JointKind, LabelKind, LabelsByTool, Making, SpliceKind, VisibleFace};
 pub use process::{Pairing, Process};

@@ -7,6 +7,7 @@
 use crate::progress::Warning;
 
 use super::error::Error;
+use super::joint::Dashes;
 use super::machine::{Machine, ToolClass};
 use super::profile::{Air, Blade, Bridges, ProcessKind, ProcessRow, Profile, Verdict};
 
@@ -20,6 +21,8 @@ pub struct Pairing {
     pub cut: Process,
     /// Labels and marks on its surface; `None` where this tool leaves nothing legible or cuts through.
     pub engrave: Option<Process>,
+    /// Drawing with a pen in the knife's place, where the knife cannot mark and its holder takes one.
+    pub pen: Option<Process>,
     /// What the user should know: "test this pair first", "uncalibrated".
     pub warnings: Vec<Warning>,
 }
@@ -35,13 +38,23 @@ pub struct Process {
     pub power: f64,
     /// Air assist.
     pub air: Air,
-    /// How often every path is run.
-    pub passes: u32,
+    /// Share of `power` in every pass, one entry a pass; never empty.
+    pub pass_power: Vec<f64>,
+    /// How much lower the tool is set for each pass after the first, mm.
+    pub z_step_mm: f64,
+    /// Lead-in and lead-out, mm, when the profile says.
+    pub lead_mm: Option<f64>,
+    /// How far closed contours run on over their start, mm, when the profile says.
+    pub overcut_mm: Option<f64>,
+    /// Least distance of a cut's start from the last one's end, mm.
+    pub cool_mm: f64,
+    /// Dashes instead of lines.
+    pub perforation: Option<Dashes>,
     /// Uncut stretches that hold the pieces, if the material wants any.
     pub bridges: Option<Bridges>,
     /// The blade and its pressure, for drag knives.
     pub blade: Option<Blade>,
-    /// True when the values were measured on this very machine.
+    /// True when the values were measured on this very machine, and for a pen, which needs none.
     pub calibrated: bool,
     /// Where the values come from, in the profile's words.
     pub source: String,
@@ -64,7 +77,7 @@ impl Machine {
     fn pair_within(&self, profile: &Profile, factor: f64) -> Result<Pairing, Error> {
         if self.tool.class == ToolClass::Scissors {
             let cut = by_hand();
-            return Ok(Pairing { engrave: Some(cut.clone()), cut, warnings: Vec::new() });
+            return Ok(Pairing { engrave: Some(cut.clone()), cut, pen: None, warnings: Vec::new() });
         }
         let mut warnings = Vec::new();
         match profile.allowed.for_tool(self.tool.class) {
@@ -80,8 +93,16 @@ impl Machine {
             (Some(Verdict::Test), reason) => warnings.push(test_first(self, profile, reason.unwrap_or_default())),
             (None, _) => warnings.push(test_first(self, profile, "the profile does not say whether that works")),
         }
-        let row = nearest_row(self, profile, ProcessKind::Cut).ok_or_else(|| no_process(self, profile))?;
-        let cut = carry_over(self, profile, row, factor)?;
+        let pen = self.tool.class == ToolClass::Pen;
+        let cuts = if pen { ProcessKind::Engrave } else { ProcessKind::Cut };
+        let row = nearest_row(self, profile, cuts).ok_or_else(|| no_process(self, profile))?;
+        let mut cut = carry_over(self, profile, row, factor)?;
+        if pen {
+            // Nothing of a line needs measuring first.
+            cut.calibrated = true;
+            let message = format!("{} draws the lines and cuts nothing: cut by hand along them", self.name);
+            warnings.push(Warning::new("drawn-only", message));
+        }
         let engrave =
             match nearest_row(self, profile, ProcessKind::Engrave).map(|row| carry_over(self, profile, row, factor)) {
                 Some(Ok(engrave)) => Some(engrave),
@@ -101,7 +122,8 @@ impl Machine {
                 ),
             ));
         }
-        Ok(Pairing { cut, engrave, warnings })
+        let pen = if engrave.is_none() { drawn(self, profile)? } else { None };
+        Ok(Pairing { cut, engrave, pen, warnings })
     }
 }
 
@@ -115,7 +137,12 @@ fn by_hand() -> Process {
         feed_mm_per_min: HAND_MM_PER_MIN,
         power: 0.0,
         air: Air::Off,
-        passes: 1,
+        pass_power: vec![1.0],
+        z_step_mm: 0.0,
+        lead_mm: None,
+        overcut_mm: None,
+        cool_mm: 0.0,
+        perforation: None,
         bridges: None,
         blade: None,
         calibrated: true,
@@ -171,6 +198,16 @@ pub(super) fn nearest_row<'a>(
         .min_by(|a, b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)))
 }
 
+/// How a pen in the tool's place draws, if there is one and the material takes it.
+fn drawn(machine: &Machine, profile: &Profile) -> Result<Option<Process>, Error> {
+    let (verdict, _) = profile.allowed.for_tool(ToolClass::Pen);
+    if !machine.tool.takes_pen || verdict == Some(Verdict::Never) {
+        return Ok(None);
+    }
+    let row = profile.process.iter().find(|r| r.tool == ToolClass::Pen && r.operation == ProcessKind::Engrave);
+    row.map(|row| carry_over(machine, profile, row, RESCALE_FACTOR)).transpose()
+}
+
 fn measured_here(machine: &Machine, row: &ProcessRow) -> bool {
     row.measured_on.as_deref() == Some(machine.name.as_str())
 }
@@ -188,7 +225,16 @@ fn carry_over(machine: &Machine, profile: &Profile, row: &ProcessRow, factor: f6
         feed_mm_per_min,
         power,
         air: row.air,
-        passes: row.passes,
+        pass_power: if row.pass_power.is_empty() {
+            vec![1.0; row.passes.max(1) as usize]
+        } else {
+            row.pass_power.clone()
+        },
+        z_step_mm: row.z_step_mm,
+        lead_mm: row.lead_mm,
+        overcut_mm: row.overcut_mm,
+        cool_mm: row.cool_mm,
+        perforation: row.perforation,
         bridges: row.bridges,
         blade: row.blade,
         calibrated: measured_here(machine, row),
@@ -244,7 +290,6 @@ fn rescale(
 #[cfg(test)]
 mod tests {
     use super::super::library::Library;
-    use super::super::machine::ToolClass;
     use super::*;
 
     fn machine(name: &str) -> Machine {
@@ -344,12 +389,21 @@ mod tests {
     }
 
     #[test]
+    fn a_pen_in_the_knifes_place_draws_what_the_knife_cannot_mark() {
+        let mut roll = machine("roll-610");
+        let pair = roll.pair(&profile("paper-160")).expect("allowed");
+        assert!(pair.engrave.is_none() && pair.pen.is_some_and(|pen| pen.feed_mm_per_min == 4000.0));
+        roll.tool.takes_pen = false;
+        assert_eq!(roll.pair(&profile("paper-160")).expect("allowed").pen, None);
+    }
+
+    #[test]
     fn clear_film_on_a_diode_is_refused_with_the_reason() {
         let error = machine("diode-400").pair(&profile("polyester-0.1")).expect_err("never");
         assert!(error.refuses_job());
         let text = error.to_string();
         assert!(text.contains("polyester-0.1") && text.contains("450 nm"), "{text}");
-        assert!(machine("k40").pair(&profile("polyester-0.1")).expect("allowed").engrave.is_none());
+        assert!(machine("k40").pair(&profile("paper-80")).expect("allowed").engrave.is_none());
     }
 
     #[test]
@@ -359,7 +413,7 @@ mod tests {
         let pair = knife.pair(&profile("felt-stiff-1")).expect("test");
         assert_eq!(pair.warnings[0].code, "test-first");
         assert!(pair.warnings[0].message.contains("tears"), "{}", pair.warnings[0].message);
-        assert_eq!((pair.cut.power, pair.cut.kerf_mm, pair.cut.passes), (0.0, 0.0, 2));
+        assert_eq!((pair.cut.power, pair.cut.kerf_mm, pair.cut.pass_power.len()), (0.0, 0.0, 2));
         let mut silent = profile("paper-80");
         silent.allowed.knife = None;
         assert_eq!(knife.pair(&silent).expect("test").warnings[0].code, "test-first");

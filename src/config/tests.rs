@@ -115,9 +115,9 @@ fn a_users_file_goes_first_and_may_build_on_the_built_in_of_its_own_name() {
     let library = Library::with_folder(folder.path());
     let names: Vec<_> =
         library.names(Kind::Machine).expect("readable").into_iter().map(|l| (l.name, l.place)).collect();
-    assert_eq!(names.len(), 4);
+    assert_eq!(names.len(), 7);
     assert_eq!(names[0], ("diode-400".into(), Place::BuiltIn));
-    assert_eq!(names[1], ("k40".into(), Place::File(folder.path().join("machines/k40.toml"))));
+    assert_eq!(names[2], ("k40".into(), Place::File(folder.path().join("machines/k40.toml"))));
     let mine = library.machine("mine").expect("in order");
     // From the file itself, from the user's k40, and from the built-in k40.
     assert_eq!((mine.title.as_str(), mine.reach_mm()), ("Mine", [280.0, 200.0]));
@@ -244,7 +244,13 @@ fn a_machine_must_agree_with_itself() {
 fn a_roll_machine_reaches_between_its_pinch_rollers() {
     let mut machine = Library::built_in().machine("k40").expect("in order");
     machine.work_area = None;
-    machine.roll =
-        Some(Roll { media_width_mm: 610.0, pinch_margin_mm: 20.0, feed_axis: Axis::Y, max_length_mm: 1000.0 });
+    machine.roll = Some(Roll {
+        media_width_mm: 610.0,
+        pinch_margin_mm: 20.0,
+        feed_axis: Axis::Y,
+        max_length_mm: 1000.0,
+        window_mm: 300.0,
+        backing: Backing::Carrier,
+    });
     assert_eq!(machine.reach_mm(), [570.0, 1000.0]);
 }

@@ -64,8 +64,11 @@ pub(super) fn write(
             stage.write(&format!("sheets/{}-kerf.svg", sheet.file), svg.as_bytes())?;
         }
         stage.write(&name("dxf"), drawing::dxf(&sheet.drawings).as_bytes())?;
+        if let Some(pen) = &sheet.pen {
+            stage.write(&format!("pen/{}.{}", sheet.file, sheet.ending), pen.as_bytes())?;
+        }
         if !setup.by_hand() {
-            stage.write(&name("nc"), sheet.program.to_string().as_bytes())?;
+            stage.write(&name(sheet.ending), sheet.text.as_bytes())?;
             png(stage, &name("png"), &pictures::sheet(sheet, run, setup), pictures::SHEET_PX)?;
         }
     }

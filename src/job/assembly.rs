@@ -5,7 +5,7 @@ use super::sheets::{Sheets, minutes};
 use super::strips::Strips;
 use super::{Order, Realised};
 use crate::assembly::{Book, Card, CutSheet, Handling, book, patterns};
-use crate::config::{Grain, LabelKind, Process, StockGrain};
+use crate::config::{Grain, LabelKind, Process, StockGrain, ToolClass};
 
 /// The assembly sheets.
 pub(super) const FILE: &str = "assembly.pdf";
@@ -72,10 +72,7 @@ fn card(setup: &Setup, sheets: &Sheets) -> Card {
     let (machine, profile, pairing) = (&setup.machine, &setup.profile, &setup.pairing);
     let mut facts = vec![("Machine", machine.title.clone()), ("Material", profile.title.clone())];
     if !setup.by_hand() {
-        facts.push(("Cut", process(&pairing.cut)));
-        facts.push(("Kerf", format!("{} mm, already in the programs", pairing.cut.kerf_mm)));
-        let marks = pairing.engrave.as_ref().map_or("nothing is engraved".to_owned(), process);
-        facts.push(("Engrave", marks));
+        facts.extend(at_the_machine(setup));
         let total_s: f64 = sheets.sheets.iter().map(|sheet| sheet.time_s).sum();
         facts.push(("Time", format!("{} in all", minutes(total_s))));
     }
@@ -94,13 +91,39 @@ fn card(setup: &Setup, sheets: &Sheets) -> Card {
     }
 }
 
-fn process(process: &Process) -> String {
-    let passes = if process.passes == 1 { "1 pass".to_owned() } else { format!("{} passes", process.passes) };
-    format!(
-        "{:.0} mm/min ({:.0} mm/s), power {:.0} %, {passes}, air {}",
-        process.feed_mm_per_min,
-        process.feed_mm_per_min / 60.0,
-        100.0 * process.power,
-        process.air.word()
-    )
+/// How it is cut and marked.
+fn at_the_machine(setup: &Setup) -> Vec<(&'static str, String)> {
+    let cut = &setup.pairing.cut;
+    let told = |process: &Process| told(process, setup.machine.tool.class);
+    if setup.machine.tool.class == ToolClass::Pen {
+        return vec![("Lines", told(cut))];
+    }
+    let mut facts = vec![("Cut", told(cut))];
+    if cut.kerf_mm > 0.0 {
+        facts.push(("Kerf", format!("{} mm, already in the programs", cut.kerf_mm)));
+    }
+    facts.push(match (setup.marking(), setup.pen()) {
+        (Some(marks), _) => ("Engrave", told(marks)),
+        (None, Some(_)) => {
+            ("Labels", "drawn first by a pen in the tool's place: the programs in pen/, same zero".into())
+        }
+        (None, None) => ("Engrave", "nothing is engraved".into()),
+    });
+    facts
+}
+
+fn told(process: &Process, tool: ToolClass) -> String {
+    let passes = match process.pass_power.len() {
+        1 => "1 pass".to_owned(),
+        n => format!("{n} passes"),
+    };
+    let feed = process.feed_mm_per_min;
+    let speed = format!("{feed:.0} mm/min ({:.0} mm/s)", feed / 60.0);
+    match (tool.is_laser(), process.blade) {
+        (true, _) => format!("{speed}, power {:.0} %, {passes}, air {}", 100.0 * process.power, process.air.word()),
+        (false, Some(blade)) => {
+            format!("{speed}, blade {:.0} deg, {:.0} gf, {passes}", blade.angle_deg, blade.force_gf)
+        }
+        (false, None) => format!("{speed}, {passes}"),
+    }
 }

@@ -6,6 +6,7 @@ use crate::assembly::Paper;
 use crate::config::Making;
 use crate::design::{self, Design, Edit, Foot, MeshSource, OutlineSource, PartDesign, SCHEMA, StripAlong, Up};
 use crate::mesh;
+use crate::toolpath::Anchor;
 use sha2::{Digest, Sha256};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -25,8 +26,35 @@ pub struct Order {
     pub force: bool,
     /// Also write drawings with the kerf in them, for programs that know none.
     pub svg_kerf: bool,
+    /// What is cut this time, how often, and where the machine begins; no part of the design.
+    pub batch: Batch,
     /// What assembly sheets are printed on.
     pub paper: Paper,
+}
+
+/// What is cut this time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Batch {
+    /// Cut only these pieces, by name ("A3"); empty for all.
+    pub only: Vec<String>,
+    /// Number of sets.
+    pub copies: usize,
+    /// Who each set is for, in order; a set without a name has its number.
+    pub names: Vec<String>,
+    /// Where the machine begins.
+    pub start: StartFrom,
+}
+
+/// Where a job lies on the machine.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum StartFrom {
+    /// The sheet lies in the stop corner, which the machine knows.
+    #[default]
+    Absolute,
+    /// This point of the job lies where the user set work zero.
+    Origin(Anchor),
+    /// This point of the job lies where the head stands when it starts.
+    Current(Anchor),
 }
 
 /// A design file.
@@ -79,9 +107,9 @@ impl Order {
             connectors: Vec::new(),
             edits: Vec::new(),
         };
-        let (name, paper) = (stem(&mesh), Paper::default());
+        let (name, paper, batch) = (stem(&mesh), Paper::default(), Batch::default());
         let design = overridden(design, overrides)?;
-        Ok(Order { design, source: None, folder, name, force: false, svg_kerf: false, paper })
+        Ok(Order { design, source: None, folder, name, force: false, svg_kerf: false, batch, paper })
     }
 
     /// A design file.
@@ -106,7 +134,7 @@ impl Order {
         };
         let source = Some(Source { file: file.to_owned(), text });
         let (design, paper) = (overridden(design, overrides)?, Paper::default());
-        Ok(Order { design, source, folder, name, force: false, svg_kerf: false, paper })
+        Ok(Order { design, source, folder, name, force: false, svg_kerf: false, batch: Batch::default(), paper })
     }
 
     /// A design that comes with the program ([`design::built_in`]); any other name is a file that is not there.

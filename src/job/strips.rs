@@ -25,6 +25,22 @@ pub(super) struct Strips {
     pub warnings: Vec<Warning>,
 }
 
+impl Strips {
+    /// Leaves only the pieces of these names; all for none.
+    pub fn keep_only(&mut self, names: &[String]) -> Result<(), Error> {
+        if names.is_empty() {
+            return Ok(());
+        }
+        let same = |piece: &Piece, name: &String| piece.name.eq_ignore_ascii_case(name);
+        if let Some(unknown) = names.iter().find(|name| !self.pieces.iter().any(|piece| same(piece, name))) {
+            let known: Vec<&str> = self.pieces.iter().map(|piece| piece.name.as_str()).collect();
+            return Err(Error::UnknownPiece { given: unknown.clone(), known: known.join(", ") });
+        }
+        self.pieces.retain(|piece| names.iter().any(|name| same(piece, name)));
+        Ok(())
+    }
+}
+
 /// Lays all parts flat. Where the design names stock, the first of it is taken on which every piece fits, or all of it together when no single one will do. Where it
 /// names none, a job cut by hand takes the material's own in the same way, since what fits the printer comes first there; else the material's stock is tried, what lies on the machine without hanging over first, and the fewest pieces win: a splice is work and a weak place.
 pub(super) fn strips(realised: &Realised, setup: &Setup) -> Result<Strips, Error> {

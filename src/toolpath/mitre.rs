@@ -11,12 +11,24 @@ const MAX_REACH_MM: f64 = 1e-3;
 /// The neighbours of an arc are tangent to it when the corner lies this near to both lines, mm.
 const TANGENT_MM: f64 = 1e-6;
 
+/// Sharper turns than this, rad, are round on purpose; a corner there would reach out far.
+const MAX_TURN_RAD: f64 = 2.5;
+
 /// Replaces arcs between two tangent lines by the lines' common corner, where that corner lies within [`MAX_REACH_MM`] of the arc.
 pub(super) fn sharpen(path: Path) -> Path {
+    cornered(path, |radius_mm, turn_rad| {
+        turn_rad < 1.0 && radius_mm / (0.5 * turn_rad).cos() - radius_mm <= MAX_REACH_MM
+    })
+}
+
+/// Replaces those arcs between two tangent lines by the lines' common corner that `unwanted` picks by radius, mm, and turn, rad above 0.
+pub(super) fn cornered(path: Path, unwanted: impl Fn(f64, f64) -> bool) -> Path {
     let segments: Vec<Segment> = path.segments().collect();
     let n = segments.len();
     let corner = |i: usize| {
-        if !path.closed && (i == 0 || i + 1 >= n) {
+        let Segment::Arc { radius, sweep_rad, .. } = segments[i] else { return None };
+        let at_end = !path.closed && (i == 0 || i + 1 >= n);
+        if at_end || sweep_rad.abs() > MAX_TURN_RAD || !unwanted(radius, sweep_rad.abs()) {
             return None;
         }
         corner_of(&segments[(i + n - 1) % n], &segments[i], &segments[(i + 1) % n])
@@ -36,16 +48,12 @@ pub(super) fn sharpen(path: Path) -> Path {
     Path { vertices, closed: path.closed }
 }
 
-/// Where the lines before and after an arc meet, if they are tangent to it and meet near enough.
+/// Where the lines before and after an arc meet, if they are tangent to it.
 fn corner_of(before: &Segment, arc: &Segment, after: &Segment) -> Option<P2> {
     let (Segment::Line { from: a, to: b }, Segment::Line { from: c, to: d }) = (*before, *after) else { return None };
     let Segment::Arc { from, center, radius, sweep_rad, .. } = *arc else { return None };
-    let reach = radius / (0.5 * sweep_rad).cos();
-    if sweep_rad.abs() >= 1.0 || reach - radius > MAX_REACH_MM {
-        return None;
-    }
     let outward = nalgebra::Rotation2::new(0.5 * sweep_rad) * (from - center) / radius;
-    let corner = center + outward * reach;
+    let corner = center + outward * radius / (0.5 * sweep_rad).cos();
     let off_line = |p: P2, q: P2| {
         let along: V2 = (q - p).normalize();
         cross(along, corner - p).abs()
