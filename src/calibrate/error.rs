@@ -56,3 +56,13 @@ pub enum Error {
         drop_mm: f64,
     },
 }
+
+impl Error {
+    /// True when what was answered is at fault, and not the card.
+    pub fn is_answer(&self) -> bool {
+        match self {
+            Error::UnknownKey { .. } | Error::Answer { .. } | Error::Hanging { .. } => true,
+            Error::NoLaser { .. } | Error::NoRoom { .. } => false,
+        }
+    }
+}

@@ -76,10 +76,15 @@ fn as_value(typed: &str) -> Value {
 
 /// Puts a value where one was, leaving the comments around it.
 fn put(table: &mut Table, key: &str, mut value: Value) {
-    if let Some(old) = table.get(key).and_then(Item::as_value) {
-        *value.decor_mut() = old.decor().clone();
+    match table.get_mut(key) {
+        Some(Item::Value(old)) => {
+            *value.decor_mut() = old.decor().clone();
+            *old = value;
+        }
+        _ => {
+            table.insert(key, Item::Value(value));
+        }
     }
-    table.insert(key, Item::Value(value));
 }
 
 /// Puts a value into the table its key names.
@@ -175,8 +180,9 @@ fn written(row: &ProcessRow) -> Table {
     let text = toml::to_string(row).expect("a process row holds nothing TOML cannot");
     let document: DocumentMut = text.parse().expect("what was written is TOML");
     let mut table = document.as_table().clone();
-    for (_, item) in table.iter_mut() {
+    for (mut key, item) in table.iter_mut() {
         if let Item::Table(inner) = item {
+            key.leaf_decor_mut().clear();
             *item = Item::Value(Value::InlineTable(std::mem::take(inner).into_inline_table()));
         }
     }
@@ -211,6 +217,8 @@ mod tests {
         let comments = |text: &str| text.lines().filter(|l| l.contains('#')).count();
         assert_eq!(comments(&text), comments(before));
         assert!(changed(&[]).unwrap().0 == before);
+        let (text, _) = changed(&[("joint.laser.slit_extra_mm", "1.1")]).unwrap();
+        assert_eq!(comments(&text), comments(before), "{text}");
     }
 
     #[test]
