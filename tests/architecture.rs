@@ -28,11 +28,26 @@ const ARROWS: &[(&str, &[&str])] = &[
     (
         "job",
         &[
-            "assembly", "drawing", "mesh", "config", "cut", "ruffle", "extrude", "sim", "fit", "design", "strip",
-            "nest", "toolpath", "gcode", "preview", "stream",
+            "assembly",
+            "drawing",
+            "mesh",
+            "config",
+            "cut",
+            "ruffle",
+            "extrude",
+            "sim",
+            "fit",
+            "design",
+            "strip",
+            "nest",
+            "toolpath",
+            "gcode",
+            "preview",
+            "stream",
+            "calibrate",
         ],
     ),
-    ("cli", &["job", "design", "preview", "gcode", "nest", "config", "stream"]),
+    ("cli", &["job", "design", "preview", "gcode", "nest", "config", "stream", "calibrate"]),
 ];
 const EVERYONE: &[&str] = &["geom", "progress"];
 

@@ -72,6 +72,14 @@ impl Setup {
         Ok(setup)
     }
 
+    /// For a test card: nothing is known yet, so a laser's values are carried over from any power.
+    pub(super) fn for_test(machine: &str, material: &str, library: &Library) -> Result<Setup, Error> {
+        let (machine, profile) = (library.machine(machine)?, library.profile(material)?);
+        let pairing = machine.trial(&profile)?;
+        let (stock, strip_along, making, warnings) = Default::default();
+        Ok(Setup { machine, profile, pairing, stock, strip_along, making, warnings })
+    }
+
     /// What the chosen labels ask of the user.
     fn label_warning(&self) -> Option<Warning> {
         let (machine, profile) = (&self.machine.name, &self.profile.name);
