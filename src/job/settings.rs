@@ -76,8 +76,8 @@ impl Setup {
     pub(super) fn for_test(machine: &str, material: &str, library: &Library) -> Result<Setup, Error> {
         let (machine, profile) = (library.machine(machine)?, library.profile(material)?);
         let pairing = machine.trial(&profile)?;
-        let (stock, strip_along, making, warnings) = Default::default();
-        Ok(Setup { machine, profile, pairing, stock, strip_along, making, warnings })
+        let (stock, strip_along, paper, making, warnings) = Default::default();
+        Ok(Setup { machine, profile, pairing, stock, strip_along, paper, making, warnings })
     }
 
     /// What the chosen labels ask of the user.

@@ -260,9 +260,11 @@ fn a_knife_keeps_to_the_sheet_and_its_crosses_set_the_blade_first() {
 fn a_trial_changes_feed_and_power_of_its_piece_alone() {
     let square = |name: &str, x: f64| Drawing {
         name: name.into(),
-        paths: vec![drawn(Path::closed(
-            [(x, 5.0), (x + 9.0, 5.0), (x + 9.0, 14.0), (x, 14.0)].map(|(x, y)| P2::new(x, y)),
-        ))],
+        paths: vec![drawn(
+            Path::closed([(x, 5.0), (x + 9.0, 5.0), (x + 9.0, 14.0), (x, 14.0)].map(|(x, y)| P2::new(x, y))),
+            Role::Outline,
+            KerfSide::On,
+        )],
     };
     let trials = vec![Trial { piece: "b".into(), feed_mm_per_min: 333.0, power: 0.21 }];
     let made = plan(&[square("a", 5.0), square("b", 25.0)], 60.0, 40.0, &Settings { trials, ..settings() }).unwrap();
