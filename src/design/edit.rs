@@ -357,6 +357,9 @@ pub(crate) mod tests {
     #[test]
     fn what_is_wrong_with_an_edit_is_told_with_its_line() {
         let text = |body: &str| format!("{TEXT}\n[[edit]]\n{body}\n");
+        let split = |part: &str, new: &str| {
+            format!("do = \"split\"\npart = \"{part}\"\norigin_mm = [0, 5, 0]\nnormal = [0, 1, 0]\nnew = \"{new}\"")
+        };
         for (body, words) in [
             (
                 "do = \"densfy\"\npart = \"A\"\nsections = [1]",
@@ -373,11 +376,28 @@ pub(crate) mod tests {
             ("do = \"length\"\npart = \"A\"\nsections = [1]", "either length_mm or factor"),
             ("do = \"length\"\npart = \"A\"\nsections = [1]\nlength_mm = -2", "a length above 0"),
             ("do = \"plane\"\npart = \"A\"\norigin_mm = [0, 0, 0]\nnormal = [0, 0, 0]", "a normal that is not zero"),
+            (&split("A", "B"), "edit 2 (split A through 0, 5, 0 mm, normal 0, 1, 0: A and B) comes after 'layers A 3'"),
+            (&split("A", "a"), "gives the new part the name of another, a"),
+            (&split("A", "B2"), "gives the new part a name that must not end in a digit"),
+            (&split("B", "C"), "names a part that is not there; parts are A"),
         ] {
             let message = Design::parse("d.toml", &text(body)).unwrap_err().to_string();
             assert!(message.contains(words), "{body}: {message}");
         }
         assert_eq!([1, 2].map(|n| super::super::edit_line(&text("do = \"layers\""), n)), [Some(14), Some(19)]);
+    }
+
+    #[test]
+    fn what_a_split_gives_is_a_part_that_later_edits_can_name() {
+        let mut design = Design::parse("d.toml", TEXT).unwrap();
+        design.edits.clear();
+        let (part, new) = ("A".to_owned(), "B".to_owned());
+        design.edits.push(Edit::Split { part, origin_mm: [0.0, 5.0, 0.0], normal: [0.0, 1.0, 0.0], new });
+        design.edits.push(Edit::Layers { part: "B".into(), layers: 2 });
+        design.check("d.toml").unwrap();
+        let apart = design.taken_apart();
+        assert_eq!(apart.splits[0].into, ["A", "B"]);
+        assert_eq!(apart.decided(&apart.parts[1]).layers, Some(2));
     }
 
     #[test]

@@ -26,11 +26,11 @@ const MOST_SPLITS: usize = 3;
 const SPLIT_THICKNESS: f64 = 0.85;
 /// Splitting goes on while it wins this share of the outline.
 const LEAST_GROWTH: f64 = 0.003;
-/// A descent ends when a step wins less than this share of the outline; the best strip's goes on for longer.
+/// A descent ends when a step wins less than this share of the outline; once one strip is chosen, it and what grows out of it go on for longer.
 const LEAST_GAIN: f64 = 2e-4;
 const LAST_GAIN: f64 = 5e-5;
-/// Share of the effort that goes into that.
-const LAST_SHARE: f64 = 1.0;
+/// And take so many times the steps.
+const LAST_EFFORT: f64 = 2.0;
 /// Springs on the way to none, with the lengths as they are: let go at once, a strip that would stand swings over.
 const LETTING_GO: [f64; 3] = [0.01, 0.0025, 0.0];
 /// Radius of a typical loop, as a share of the outline's size.
@@ -64,6 +64,8 @@ pub(super) struct Search<'a> {
     done: u64,
     total: u64,
     stopped: bool,
+    /// Whether one strip has been chosen, and only it is worked on.
+    chosen: bool,
     spent: Spent,
     field: Rc<Field>,
 }
@@ -85,13 +87,15 @@ pub(super) fn search(
     let total = ((starts.len() + most(LOOSENED) + most(RELEASED)) * feet.len()) as u64;
     let spent = Spent::default();
     let field = Rc::new(Field::new(target.outline, settings.protrusion_weight));
-    let mut search = Search { field, target, settings, observer, best: None, done: 0, total, stopped: false, spent };
+    let mut search =
+        Search { field, target, settings, observer, best: None, done: 0, total, stopped: false, chosen: false, spent };
     for foot in feet {
         // Pinned strips fill a point or two more than free ones, which is not worth the glue where those fill well.
         if search.best.as_ref().is_none_or(|b| b.score > WELL_FILLED) {
             search.stand(&starts, *foot)?;
         }
     }
+    search.chosen = true;
     search.polish()?;
     // Edits name sections by number, which a split layer would shift.
     if edits.is_none() {
@@ -181,13 +185,7 @@ impl<'a> Search<'a> {
         else {
             return Ok(());
         };
-        let limits = Limits {
-            bounds_mm: self.bounds_mm(&start.drawn.ruffle),
-            shift: true,
-            steps: (LAST_SHARE * settings.effort as f64).round() as usize,
-            least_gain: LAST_GAIN,
-        };
-        descend(&mut shape, &limits, &mut Inner(self))?;
+        self.descend(&mut shape, &start, 1.0, true)?;
         self.count(&mut shape);
         self.consider(&shape, &start)?;
         Ok(())
@@ -254,9 +252,9 @@ impl<'a> Search<'a> {
         if self.settings.method == Method::Paper || self.stopped {
             return Ok(());
         }
-        let steps = (share * self.settings.effort as f64).round() as usize;
-        let bounds_mm = self.bounds_mm(&start.drawn.ruffle);
-        let limits = Limits { bounds_mm, shift, steps, least_gain: LEAST_GAIN };
+        let (least_gain, times) = if self.chosen { (LAST_GAIN, LAST_EFFORT) } else { (LEAST_GAIN, 1.0) };
+        let steps = (share * times * self.settings.effort as f64).round() as usize;
+        let limits = Limits { bounds_mm: self.bounds_mm(&start.drawn.ruffle), shift, steps, least_gain };
         descend(shape, &limits, &mut Inner(self))
     }
 
