@@ -67,8 +67,9 @@ fn large(page: &mut Page, picture: &Rect, part: &Part, pieces: &[&Piece], splice
     for hair in &hairs {
         page.line(hair, HAIR);
     }
-    if part.report.foot == FootUsed::Pinned {
-        feet(page, part, &points);
+    let feet = feet(part, &points);
+    for triangle in &feet {
+        page.region([triangle.as_slice()], 0.0, None);
     }
     arrow(page, &course, place.scale);
     let mut seams = Vec::new();
@@ -96,7 +97,9 @@ fn large(page: &mut Page, picture: &Rect, part: &Part, pieces: &[&Piece], splice
     words.extend(seams.iter().map(|(_, _, text)| (SEAM, text.clone())));
     dots.extend(seams.iter().map(|(at, ..)| *at));
     let bars = seams.iter().map(|(_, [a, b], _)| (*a, *b)).chain(hairs.iter().map(|[a, b]| (*a, *b)));
-    let lines: Vec<(P2, P2)> = ruffle.segments().map(|(i, j)| (points[i], points[j])).chain(bars).collect();
+    let sides = feet.iter().flat_map(|[a, b, c]| [(*a, *b), (*b, *c), (*c, *a)]);
+    let lines: Vec<(P2, P2)> =
+        ruffle.segments().map(|(i, j)| (points[i], points[j])).chain(bars).chain(sides).collect();
     let widths: Vec<f64> = words.iter().map(|(lettering, text)| lettering.width_mm(text)).collect();
     let height = CAPITALS * number.size_mm;
     let obstacles = Obstacles { lines: &lines, dots: &dots, dot_mm: DOT_MM, area: *picture };
@@ -154,11 +157,12 @@ fn arrow(page: &mut Page, course: &Course, scale: f64) {
 }
 
 /// Triangles under the two points that hold a glued foot.
-fn feet(page: &mut Page, part: &Part, points: &[P2]) {
-    for node in part.ruffle.foot {
-        let tip = points[node.index()] - V2::new(0.0, 0.6);
-        page.region([[tip, tip + V2::new(2.2, -3.6), tip + V2::new(-2.2, -3.6)].as_slice()], 0.0, None);
+fn feet(part: &Part, points: &[P2]) -> Vec<[P2; 3]> {
+    if part.report.foot != FootUsed::Pinned {
+        return Vec::new();
     }
+    let triangle = |tip: P2| [tip, tip + V2::new(2.2, -3.6), tip + V2::new(-2.2, -3.6)];
+    part.ruffle.foot.map(|node| triangle(points[node.index()] - V2::new(0.0, 0.6))).to_vec()
 }
 
 /// The strip, section by section.

@@ -134,12 +134,16 @@ fn splice_text(splice: &Splice, all: &[Joint], job: &Book) -> String {
     let [from, to] = &splice.pieces;
     let overlap = splice.stations_mm.end - splice.stations_mm.start;
     let joints = splice.joints.join(" and ");
-    let front_up = |p: &&Piece| p.name == *from && p.seen_from == Side::Back;
-    let on = if splice.later_in_front != job.pieces.iter().any(|p| front_up(&p)) { "on" } else { "under" };
+    let drawn_from = |name: &str| job.pieces.iter().find(|p| p.name == name).map_or(Side::Front, |p| p.seen_from);
+    let (lower, upper) = (drawn_from(from), drawn_from(to));
+    let on = if splice.later_in_front == (lower == Side::Front) { "on" } else { "under" };
     let side = job.handling.marks.side();
-    let laid = format!(
-        "Lay the start of piece {to} {on} the end of piece {from}, {side}s up, {overlap:.0} mm over each other"
-    );
+    let up = match lower == upper {
+        true => format!("{side}s up"),
+        false => format!("the {side} of {from} up and that of {to} down"),
+    };
+    let laid =
+        format!("Lay the start of piece {to} {on} the end of piece {from}, {up}, {overlap:.0} mm over each other");
     let held = all.iter().find(|joint| splice.joints.iter().any(|name| name == joint.name)).map(|joint| joint.held);
     match (splice.kind, held) {
         (SpliceKind::Connection, _) => {
