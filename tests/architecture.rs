@@ -25,6 +25,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("stream", &["gcode", "emulator"]),
     ("preview", &["drawing", "nest", "gcode", "cut", "ruffle", "extrude", "sim", "fit"]),
     ("assembly", &["mesh", "cut", "ruffle", "extrude", "sim", "fit", "strip", "nest", "drawing"]),
+    ("calibrate", &["drawing", "strip"]),
     (
         "job",
         &[
