@@ -37,7 +37,7 @@ pub(super) struct CutSheet {
     pub toolpath: Toolpath,
     /// What the machine reads; empty for a job that is cut by hand.
     pub text: String,
-    /// What a pen in the tool's place draws before, as the machine reads it.
+    /// What the machine's pen draws before, as the machine reads it.
     pub pen: Option<String>,
     /// What the tool's own program makes it do.
     pub moves: Vec<Move>,
@@ -158,7 +158,7 @@ fn program(
         None => (None, written(&drawings, &settings)?),
     };
     let Written { toolpath, text, moves, time_s } = program;
-    let ending = if setup.plotter().is_some() { "plt" } else { "nc" };
+    let ending = if setup.plots() { "plt" } else { "nc" };
     Ok(CutSheet { stock: place.stock.to_owned(), file, ending, layout, drawings, toolpath, text, pen, moves, time_s })
 }
 
@@ -194,8 +194,8 @@ fn written(
     let start = &order.batch.start;
     let toolpath = planned(file, drawings, size_mm, settings)?;
     let refused = |source| Error::Gcode { sheet: sheet(), source };
-    let checked = check_settings(setup, start, &toolpath);
-    let (text, moves, findings) = if let Some(plotter) = setup.plotter() {
+    let checked = check_settings(setup, start, settings.tool, &toolpath);
+    let (text, moves, findings) = if let Some(plotter) = setup.plotter(settings.tool) {
         let text = gcode::emit_plot(&toolpath, &plotter).map_err(refused)?;
         let feed_mm_per_min = setup.machine.max_feed_mm_per_min();
         let moves =
@@ -203,11 +203,12 @@ fn written(
         let findings = gcode::check_moves(&moves, text.lines().count(), &checked).errors;
         (text, moves, findings)
     } else {
-        let write = |header: &Header| gcode::emit(&toolpath, header, &setup.dialect(start)).map_err(refused);
+        let write =
+            |header: &Header| gcode::emit(&toolpath, header, &setup.dialect(start, settings.tool)).map_err(refused);
         let read = |program: &Program| gcode::trace(program).map_err(|source| Error::Trace { sheet: sheet(), source });
         // The header tells the planned time, which is known once the moves are.
         let time_s = gcode::estimate(&read(&write(&Header::default())?)?, &setup.limits()).total_s;
-        let program = write(&header(place, &toolpath, time_s, setup, order))?;
+        let program = write(&header(place, &toolpath, settings.tool, time_s, setup, order))?;
         let moves = read(&program)?;
         (program.to_string(), moves, gcode::check(&program, &checked).errors)
     };
@@ -219,8 +220,9 @@ fn written(
 }
 
 /// What the machine permits. A job placed by hand lies nobody knows where: it is only checked for its size.
-fn check_settings(setup: &Setup, start: &StartFrom, toolpath: &Toolpath) -> CheckSettings {
-    let settings = setup.check();
+fn check_settings(setup: &Setup, start: &StartFrom, tool: toolpath::Tool, toolpath: &Toolpath) -> CheckSettings {
+    let mut settings = setup.check();
+    settings.laser &= !setup.is_second(tool);
     match start {
         StartFrom::Absolute => settings,
         StartFrom::Origin(_) | StartFrom::Current(_) => {
@@ -231,7 +233,14 @@ fn check_settings(setup: &Setup, start: &StartFrom, toolpath: &Toolpath) -> Chec
     }
 }
 
-fn header(place: Place, toolpath: &Toolpath, time_s: f64, setup: &Setup, order: &Order) -> Header {
+fn header(
+    place: Place,
+    toolpath: &Toolpath,
+    tool: toolpath::Tool,
+    time_s: f64,
+    setup: &Setup,
+    order: &Order,
+) -> Header {
     let bounds = toolpath.bounds();
     let cut = &setup.pairing.cut;
     let Place { number, count, stock, set } = place;
@@ -240,16 +249,18 @@ fn header(place: Place, toolpath: &Toolpath, time_s: f64, setup: &Setup, order: 
     let mut entries = vec![("job", order.name.clone()), ("design", order.hash()), ("sheet", sheet.to_string())];
     entries.extend(motion_told(&toolpath.motion).map(|told| ("sheet lies", told)));
     entries.extend(set.map(|set| ("set", set.to_owned())));
+    entries.extend([("machine", setup.machine.name.clone()), ("material", setup.profile.name.clone())]);
+    if setup.is_second(tool) {
+        entries.push(("tool", "pen: run it before the program of the same name in sheets/".to_owned()));
+    } else {
+        let length = format!("{:.0} mm", toolpath.cut_mm());
+        entries.extend([("kerf", format!("{} mm", cut.kerf_mm)), ("cut at", setup.cut_told()), ("cut length", length)]);
+    }
     entries.extend([
-        ("machine", setup.machine.name.clone()),
-        ("material", setup.profile.name.clone()),
-        ("kerf", format!("{} mm", cut.kerf_mm)),
-        ("cut at", setup.cut_told()),
         (
             "bounds",
             format!("X{:.3} Y{:.3} to X{:.3} Y{:.3} mm", bounds.min.x, bounds.min.y, bounds.max.x, bounds.max.y),
         ),
-        ("cut length", format!("{:.0} mm", toolpath.cut_mm())),
         ("planned time", minutes(time_s)),
     ]);
     if let [a, b] = toolpath.crosses[..] {
@@ -258,7 +269,7 @@ fn header(place: Place, toolpath: &Toolpath, time_s: f64, setup: &Setup, order: 
     if setup.profile.grain == Grain::Directional {
         entries.push(("grain", if setup.turned() { "along Y" } else { "along X" }.to_owned()));
     }
-    if !cut.calibrated {
+    if !cut.calibrated && !setup.is_second(tool) {
         entries.push(("UNCALIBRATED", format!("values {}; cut a test piece first", cut.source)));
     }
     Header { entries: entries.into_iter().map(|(k, v)| (k.to_owned(), v)).collect() }
