@@ -1,14 +1,14 @@
 //! What tool paths cost the machine: `cargo bench --bench toolpath -- --json`.
 //!
-//! `arcs`: planned time of outlines drawn in short steps, as they are and in lines and arcs within 0.02 mm, at F6000 on a diode-400. A circle of 50 mm
-//! radius in steps of 0.3 mm, and a sheet of ribbons with wavy rims in steps of 0.8 mm. `travel`: way between cuts on the teddy's sheets, as drawn and
-//! ordered.
+//! `arcs`: planned time as drawn and in lines and arcs within 0.02 mm, at F6000 on a diode-400, from the first cut to the last. A circle of 50 mm radius and
+//! a sheet of ribbons with wavy rims, both in steps of 0.3 mm as curves come out of drawing programs; and the teddy's sheets, whose rims come in steps of
+//! some 3 mm. `travel`: way between cuts on the teddy's sheets, as drawn and ordered.
 
 use std::f64::consts::TAU;
 
 use furbelow::config::Library;
-use furbelow::drawing::{Drawing, DrawnPath, KerfSide, Role};
-use furbelow::gcode::{Dialect, Header, ToolWords, emit, estimate, trace};
+use furbelow::drawing::{Drawing, DrawnPath, KerfSide, Operation, Role, read_svg};
+use furbelow::gcode::{Dialect, Header, Move, ToolWords, emit, estimate, trace};
 use furbelow::geom::{P2, Path, Rect};
 use furbelow::job::{self, Order, Overrides, limits};
 use furbelow::progress::Quiet;
@@ -30,14 +30,24 @@ struct Row {
 
 fn main() {
     let json = std::env::args().any(|a| a == "--json");
-    let mut rows = vec![arcs("circle", vec![circle()]), arcs("ribbon sheet", ribbons())];
-    rows.extend(travel());
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let teddy = teddy(folder.path());
+    let mut rows = vec![arcs("circle".into(), &[circle()]), arcs("ribbon sheet".into(), &ribbons())];
+    for sheet in &teddy.report.sheets {
+        let svg = std::fs::read_to_string(folder.path().join(&sheet.file).with_extension("svg")).expect("a sheet");
+        let drawn = read_svg(&svg).expect("our own");
+        let cut: Vec<Drawing> = drawn.iter().map(|d| d.without(Operation::Engrave)).collect();
+        rows.push(arcs(format!("teddy {}", sheet.file), &cut));
+    }
+    rows.extend(teddy.report.sheets.iter().map(travel));
     for row in rows {
         if json {
             println!("{}", serde_json::to_string(&row).expect("a row holds nothing JSON cannot"));
         } else {
-            let Row { name, case, before, after, saved, .. } = &row;
-            println!("{name}, {case}: {before:.1} before, {after:.1} after, {saved:.0} % less");
+            let Row { name, case, before, after, saved, lines_before, lines_after } = &row;
+            println!(
+                "{name}, {case}: {before:.1} before, {after:.1} after, {saved:.0} % less ({lines_before} lines, {lines_after})"
+            );
         }
     }
 }
@@ -74,20 +84,22 @@ fn settings(curve_tolerance_mm: f64) -> Settings {
     }
 }
 
-fn arcs(case: &str, sheet: Vec<Drawing>) -> Row {
+fn arcs(case: String, sheet: &[Drawing]) -> Row {
     let machine = Library::built_in().machine("diode-400").expect("built in");
     let dialect =
         Dialect { max_s: 1000.0, tool: ToolWords::Laser { constant_power: false }, from_here: false, air: None };
     let planned = |tolerance_mm: f64| {
-        let path = plan(&sheet, 400.0, 400.0, &settings(tolerance_mm)).expect("a path");
+        let path = plan(sheet, 400.0, 400.0, &settings(tolerance_mm)).expect("a path");
         let program = emit(&path, &Header::default(), &dialect).expect("a program");
-        let time_s = estimate(&trace(&program).expect("moves"), &limits(&machine)).total_s;
-        (time_s, program.lines.len())
+        let moves = trace(&program).expect("moves");
+        let (first, last) = (moves.iter().position(Move::burns), moves.iter().rposition(Move::burns));
+        let cut = &moves[first.expect("cuts")..=last.expect("cuts")];
+        (estimate(cut, &limits(&machine)).total_s, cut.iter().filter(|m| m.burns()).count())
     };
     let (before, lines_before) = planned(0.0);
     let (after, lines_after) = planned(0.02);
     let saved = 100.0 * (1.0 - after / before);
-    Row { name: "arcs", case: case.into(), before, after, saved, lines_before, lines_after }
+    Row { name: "arcs", case, before, after, saved, lines_before, lines_after }
 }
 
 fn outline(name: String, points: impl IntoIterator<Item = P2>) -> Drawing {
@@ -105,7 +117,7 @@ fn circle() -> Drawing {
 }
 
 fn ribbons() -> Vec<Drawing> {
-    let steps = (280.0 / 0.8) as u32;
+    let steps = (280.0 / 0.3) as u32;
     let ribbon = |k: u32| {
         let rim = move |i: u32, up: f64| {
             let x = 280.0 * f64::from(i) / f64::from(steps);
@@ -119,21 +131,17 @@ fn ribbons() -> Vec<Drawing> {
     (0..6).map(ribbon).collect()
 }
 
-fn travel() -> Vec<Row> {
+fn teddy(folder: &std::path::Path) -> job::Made {
     let shape = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models/teddy.obj");
     let overrides =
         Overrides { machine: Some("diode-400".into()), material: Some("paper-160".into()), ..Overrides::default() };
     let order = Order::from_mesh(&shape, &overrides).expect("a mesh");
-    let folder = tempfile::tempdir().expect("a scratch folder");
-    let made = job::make(&order, &Library::built_in(), folder.path(), &mut Quiet).expect("a job");
-    let row = |sheet: &job::SheetReport| Row {
-        name: "travel",
-        case: format!("teddy {}", sheet.file),
-        before: sheet.travel_unordered_mm,
-        after: sheet.travel_mm,
-        saved: 100.0 * (1.0 - sheet.travel_mm / sheet.travel_unordered_mm),
-        lines_before: sheet.lines,
-        lines_after: sheet.lines,
-    };
-    made.report.sheets.iter().map(row).collect()
+    job::make(&order, &Library::built_in(), folder, &mut Quiet).expect("a job")
+}
+
+fn travel(sheet: &job::SheetReport) -> Row {
+    let (before, after) = (sheet.travel_unordered_mm, sheet.travel_mm);
+    let saved = 100.0 * (1.0 - after / before);
+    let case = format!("teddy {}", sheet.file);
+    Row { name: "travel", case, before, after, saved, lines_before: sheet.lines, lines_after: sheet.lines }
 }

@@ -22,7 +22,7 @@ fn furbelow(folder: &Path, args: &[&str]) -> Output {
 }
 
 fn make(folder: &Path, machine: &str, material: &str, extra: &[&str]) -> Output {
-    let shape = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models/stool.obj");
+    let shape = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models/cuboid.obj");
     let shape = shape.to_str().expect("plain path");
     let mut args = vec!["make", shape, "--machine", machine, "--material", material, "--out", "out"];
     args.extend(extra);
@@ -118,7 +118,7 @@ fn a_roll_fed_along_y_is_turned_and_reads_the_right_way_round() {
     let machines = folder.path().join("config/machines");
     fs::create_dir_all(&machines).unwrap();
     let roll = "schema = 1\nname = \"laser-roll\"\ninherits = \"roll-610\"\n[controller]\ndialect = \"grbl\"\nlaser_mode = true\n\
-                [roll]\nfeed_axis = \"y\"\n[tool]\nclass = \"diode\"\ntakes_pen = false\noptical_power_w = 10\nspot_mm = 0.1\npower_floor = 0.03\n";
+                [roll]\nfeed_axis = \"y\"\n[pen]\nlift = { down_mm = 0, up_mm = 3, feed_mm_per_min = 600 }\n[tool]\nclass = \"diode\"\noptical_power_w = 10\nspot_mm = 0.1\npower_floor = 0.03\n";
     fs::write(machines.join("laser-roll.toml"), roll).unwrap();
     let output = make(folder.path(), "laser-roll", "paper-160", &["--roll", "300"]);
     assert!(output.status.success(), "{}", told(&output));
@@ -126,13 +126,13 @@ fn a_roll_fed_along_y_is_turned_and_reads_the_right_way_round() {
     assert!(text.contains("; sheet lies: X260.000 Y0.000 turned 90"), "{text}");
     let points: Vec<(f64, f64)> = strokes(text.split("; cut-inner").next().unwrap()).into_iter().flatten().collect();
     // The sheet lies a quarter turn round, and a piece on it may lie either way.
-    assert!(reads(&points, "PIECE A1", &[90.0, 270.0], false), "no label reads PIECE A1");
-    assert!(!reads(&points, "PIECE A1", &[0.0, 90.0, 180.0, 270.0], true), "a label is mirrored");
+    assert!(reads(&points, "PIECE A1", 3.0, &[90.0, 270.0], false), "no label reads PIECE A1");
+    assert!(!reads(&points, "PIECE A1", 3.0, &[0.0, 90.0, 180.0, 270.0], true), "a label is mirrored");
 }
 
 /// True when the ends of all strokes of a text, turned by one of some angles and moved somewhere, or mirrored before, are among the points.
-fn reads(points: &[(f64, f64)], text: &str, angles_deg: &[f64], mirrored: bool) -> bool {
-    let paths = text_paths(text, 3.0);
+fn reads(points: &[(f64, f64)], text: &str, height_mm: f64, angles_deg: &[f64], mirrored: bool) -> bool {
+    let paths = text_paths(text, height_mm);
     let ends = paths.iter().flat_map(|path| [path.start(), path.end()]).flatten();
     let ends: Vec<(f64, f64)> = ends.map(|p| (if mirrored { -p.x } else { p.x }, p.y)).collect();
     let near = |x: f64, y: f64| points.iter().any(|p| (p.0 - x).abs() < 0.02 && (p.1 - y).abs() < 0.02);
@@ -144,6 +144,43 @@ fn reads(points: &[(f64, f64)], text: &str, angles_deg: &[f64], mirrored: bool) 
             turned.iter().all(|(x, y)| near(x + dx, y + dy))
         })
     })
+}
+
+#[test]
+fn a_pen_beside_a_laser_draws_the_labels_from_the_same_zero() {
+    let folder = tempfile::tempdir().unwrap();
+    let machines = folder.path().join("config/machines");
+    fs::create_dir_all(&machines).unwrap();
+    let both = "schema = 1\nname = \"both\"\ninherits = \"diode-400\"\n[pen]\noffset_mm = [-25, -12.5]\n";
+    fs::write(machines.join("both.toml"), both).unwrap();
+    let refused = make(folder.path(), "both", "paper-160", &[]);
+    assert!(!refused.status.success() && told(&refused).contains("`lift`"), "{}", told(&refused));
+    let lift = "lift = { down_mm = -1, up_mm = 3, feed_mm_per_min = 600, dwell_s = 0.1 }\n";
+    fs::write(machines.join("both.toml"), [both, lift].concat()).unwrap();
+    let output = make(folder.path(), "both", "paper-160", &[]);
+    assert!(output.status.success(), "{}", told(&output));
+    assert!(!folder.path().join("out/pen").exists(), "paper is engraved unless the design wants a pen");
+    let engraved = strokes(&sheet(&folder, "sheet-01.nc"));
+
+    let design = folder.path().join("out/design.toml");
+    let text = fs::read_to_string(&design).unwrap();
+    fs::write(&design, text.replace("[[part]]", "[making]\nlabel = \"pen\"\n[[part]]")).unwrap();
+    let output = furbelow(folder.path(), &["make", "out/design.toml"]);
+    assert!(output.status.success(), "{}", told(&output));
+    assert!(warned(&report(&folder), "pen-first"));
+    let cut = sheet(&folder, "sheet-01.nc");
+    assert!(cut.contains("M4S0") && !cut.contains("PIECE") && !cut.contains("G1Z"));
+    let drawn = fs::read_to_string(folder.path().join("out/pen/sheet-01.nc")).unwrap();
+    assert!(!drawn.contains("M3") && !drawn.contains("M4") && drawn.contains("G1Z-1F600") && drawn.contains("G0Z3"));
+    // The beam marks its first cross where the pen drew its own: the head stood aside by the pen's offset.
+    let (beam, pen) = (engraved[0][0], strokes(&drawn).into_iter().find(|s| s[0] != s[1] && s[0].0 > 0.0).unwrap()[0]);
+    assert!((pen.0 - beam.0 - 25.0).abs() < 1e-6 && (pen.1 - beam.1 - 12.5).abs() < 1e-6, "{beam:?} {pen:?}");
+    let points: Vec<(f64, f64)> = strokes(&drawn).into_iter().flatten().collect();
+    assert!(reads(&points, "PIECE A1", 5.0, &[0.0, 180.0], false), "no label reads PIECE A1");
+    for file in ["out/pen/sheet-01.nc", "out/sheets/sheet-01.nc"] {
+        let checked = furbelow(folder.path(), &["check", file, "--machine", "both"]);
+        assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stdout));
+    }
 }
 
 #[test]

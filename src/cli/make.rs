@@ -104,6 +104,8 @@ fn tell(made: &Made, out: &Path) -> Result<(), Failure> {
     }
     let next = if made.files.iter().any(|file| file.ends_with("print.pdf")) {
         "\nto cut it: print print.pdf at 100 %, cut along the lines, and follow assembly.pdf".to_owned()
+    } else if made.files.iter().any(|file| file.ends_with(".plt")) {
+        ": look at parts/ and sheets/*.png\nto cut it: give sheets/*.plt to the cutter as they are, by its own driver or by copying them to its port; then follow assembly.pdf".to_owned()
     } else {
         format!(
             ": look at parts/ and sheets/*.png\nto cut it: furbelow send {o} -m {m} --port PORT  (furbelow ports names them), or load sheets/*.nc into your sender; then follow assembly.pdf",

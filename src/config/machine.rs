@@ -34,6 +34,9 @@ pub struct Machine {
     pub homing: Option<Corner>,
     /// What cuts.
     pub tool: Tool,
+    /// A pen beside the tool or in its place: labels can then be drawn, first, by programs of their own with the same zero.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pen: Option<SecondPen>,
     /// Air assist switched by the program; absent when it is switched by hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub air: Option<AirCodes>,
@@ -179,6 +182,18 @@ pub struct Lift {
     pub dwell_s: f64,
 }
 
+/// A pen on a machine that cuts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SecondPen {
+    /// Where its tip is, seen from where the tool works: x to the right, y away from the person in front. 0 in the tool's own place.
+    #[serde(default)]
+    pub offset_mm: [f64; 2],
+    /// The z axis that lowers and lifts it; absent where it comes down as the tool does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lift: Option<Lift>,
+}
+
 /// An axis of the machine in the plane of the sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -227,9 +242,6 @@ pub struct Tool {
     /// The z axis that brings a knife or a pen down.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lift: Option<Lift>,
-    /// A pen can take the knife's place: what a knife cannot mark is then drawn first, by a program of its own with the same zero.
-    #[serde(default)]
-    pub takes_pen: bool,
     /// Free height under the head while it travels: it passes over what stands no higher. A laser's is from its nozzle to the sheet.
     #[serde(default)]
     pub clearance_mm: f64,

@@ -1,7 +1,7 @@
 //! What a machine file may say: ranges of values, and values that must agree.
 
 use super::check::Checker;
-use super::machine::{Dialect, Lift, Machine, Servo, Tool, ToolClass};
+use super::machine::{Dialect, Lift, Machine, SecondPen, Servo, Tool, ToolClass};
 
 pub(super) fn check(machine: &Machine, checker: &mut Checker<'_>) {
     checker.schema(machine.schema);
@@ -101,8 +101,17 @@ fn lift(machine: &Machine, checker: &mut Checker<'_>) {
         "controller.dialect",
         "HP-GL knows no power: a laser needs dialect = \"grbl\"",
     );
-    let message = "only a knife's holder takes a pen: leave this out";
-    checker.require(!machine.tool.takes_pen || machine.tool.class == ToolClass::Knife, "tool.takes_pen", message);
+    match machine.pen {
+        Some(_) if matches!(machine.tool.class, ToolClass::Pen | ToolClass::Scissors) => {
+            checker.problem("pen", "a second pen beside a laser or a knife; this machine draws with its own tool: leave this out");
+        }
+        Some(SecondPen { lift: None, .. }) if laser => checker.problem(
+            "pen",
+            "a pen beside a laser needs `lift` = { down_mm, up_mm, feed_mm_per_min }: how does it come down? (a servo would take the laser's own output)",
+        ),
+        Some(SecondPen { lift: Some(lift), .. }) => z_lift("pen.lift", lift, checker),
+        Some(SecondPen { lift: None, .. }) | None => {}
+    }
     checker.at_least("tool.clearance_mm", machine.tool.clearance_mm, 0.0);
     checker.at_least("tool.head_radius_mm", machine.tool.head_radius_mm, 0.0);
     match (machine.tool.servo, machine.tool.lift) {
@@ -122,10 +131,12 @@ fn lift(machine: &Machine, checker: &mut Checker<'_>) {
             let message = "a servo needs laser_mode = false ($32=0): in laser mode its output is off on every travel";
             checker.require(!machine.controller.laser_mode, "controller.laser_mode", message);
         }
-        (None, Some(Lift { down_mm, up_mm, feed_mm_per_min, dwell_s })) => {
-            checker.require(up_mm > down_mm, "tool.lift.up_mm", "`up_mm` must lie above down_mm");
-            checker.positive("tool.lift.feed_mm_per_min", feed_mm_per_min);
-            checker.at_least("tool.lift.dwell_s", dwell_s, 0.0);
-        }
+        (None, Some(lift)) => z_lift("tool.lift", lift, checker),
     }
+}
+
+fn z_lift(path: &str, lift: Lift, checker: &mut Checker<'_>) {
+    checker.require(lift.up_mm > lift.down_mm, &format!("{path}.up_mm"), "`up_mm` must lie above down_mm");
+    checker.positive(&format!("{path}.feed_mm_per_min"), lift.feed_mm_per_min);
+    checker.at_least(&format!("{path}.dwell_s"), lift.dwell_s, 0.0);
 }

@@ -21,7 +21,7 @@ pub struct Pairing {
     pub cut: Process,
     /// Labels and marks on its surface; `None` where this tool leaves nothing legible or cuts through.
     pub engrave: Option<Process>,
-    /// Drawing with a pen in the knife's place, where the knife cannot mark and its holder takes one.
+    /// Drawing with the machine's pen, where it has one beside the tool or in its place.
     pub pen: Option<Process>,
     /// What the user should know: "test this pair first", "uncalibrated".
     pub warnings: Vec<Warning>,
@@ -122,7 +122,7 @@ impl Machine {
                 ),
             ));
         }
-        let pen = if engrave.is_none() { drawn(self, profile)? } else { None };
+        let pen = drawn(self, profile)?;
         Ok(Pairing { cut, engrave, pen, warnings })
     }
 }
@@ -198,10 +198,10 @@ pub(super) fn nearest_row<'a>(
         .min_by(|a, b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)))
 }
 
-/// How a pen in the tool's place draws, if there is one and the material takes it.
+/// How the machine's pen draws, if it has one and the material takes it.
 fn drawn(machine: &Machine, profile: &Profile) -> Result<Option<Process>, Error> {
     let (verdict, _) = profile.allowed.for_tool(ToolClass::Pen);
-    if !machine.tool.takes_pen || verdict == Some(Verdict::Never) {
+    if machine.pen.is_none() || verdict == Some(Verdict::Never) {
         return Ok(None);
     }
     let row = profile.process.iter().find(|r| r.tool == ToolClass::Pen && r.operation == ProcessKind::Engrave);
@@ -389,11 +389,11 @@ mod tests {
     }
 
     #[test]
-    fn a_pen_in_the_knifes_place_draws_what_the_knife_cannot_mark() {
+    fn a_machine_with_a_pen_can_draw_what_it_cuts() {
         let mut roll = machine("roll-610");
         let pair = roll.pair(&profile("paper-160")).expect("allowed");
         assert!(pair.engrave.is_none() && pair.pen.is_some_and(|pen| pen.feed_mm_per_min == 4000.0));
-        roll.tool.takes_pen = false;
+        roll.pen = None;
         assert_eq!(roll.pair(&profile("paper-160")).expect("allowed").pen, None);
     }
 

@@ -8,6 +8,9 @@ use super::profile::{Grain, ProcessKind, ProcessRow, Profile, Stock, Verdict};
 /// A blade cannot turn a smaller radius (materials practice: details below are torn, not cut).
 const LEAST_KNIFE_RADIUS_MM: f64 = 1.0;
 
+/// Sheets up to this thick, mm, are cut in one pass by a laser (materials practice).
+const ONE_PASS_MM: f64 = 0.3;
+
 pub(super) fn check(profile: &Profile, checker: &mut Checker<'_>) {
     checker.schema(profile.schema);
     checker.name("name", &profile.name);
@@ -34,6 +37,12 @@ pub(super) fn check(profile: &Profile, checker: &mut Checker<'_>) {
     checker.text("splice.source", &profile.splice.source);
     for (index, row) in profile.process.iter().enumerate() {
         process(row, &format!("process.{index}"), checker);
+        let again = row.tool.is_laser() && row.operation == ProcessKind::Cut && row.passes > 1;
+        checker.require(
+            profile.thickness_mm > ONE_PASS_MM || !again,
+            &format!("process.{index}.passes"),
+            "a sheet this thin is cut in one pass: what hangs loose catches fire in a second; lower the feed instead",
+        );
         if profile.process[..index].iter().any(|other| same_case(other, row)) {
             checker.problem(
                 &format!("process.{index}"),

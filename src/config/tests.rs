@@ -221,6 +221,19 @@ fn a_blade_gets_no_detail_it_cannot_turn() {
 }
 
 #[test]
+fn thin_sheet_is_burnt_once_and_thick_as_often_as_it_takes() {
+    let twice = "[[process]]\ntool = 'co2'\noperation = 'cut'\nreference_power_w = 40\nfeed_mm_per_min = 900\npower = 0.2\nkerf_mm = 0.2\npasses = 2\nsource = 'x'";
+    let profile = |thickness: f64| {
+        let text = format!("schema = 1\nname = 'x'\ninherits = 'felt-soft-1'\nthickness_mm = {thickness}\n{twice}");
+        Library::built_in().profile_in("x.toml", text)
+    };
+    let found = problems(profile(0.2).expect_err("thin"));
+    assert!(found.iter().any(|p| p.1 == 12 && p.3.contains("one pass")), "{found:?}");
+    let thick = profile(1.0).map_err(problems);
+    assert!(!matches!(&thick, Err(found) if found.iter().any(|p| p.3.contains("one pass"))), "{thick:?}");
+}
+
+#[test]
 fn a_machine_must_agree_with_itself() {
     let library = Library::built_in();
     let wrong = |base: &str, text: &str| {
@@ -231,6 +244,8 @@ fn a_machine_must_agree_with_itself() {
     assert!(found[0].1 == 5 && found[0].3.contains("max_travel_mm = 400"), "{found:?}");
     assert!(wrong("diode-400", "[controller]\nlaser_mode = false")[0].3.contains("$32"));
     assert!(wrong("k40", "[tool]\nframe_power_max = 0.01")[0].3.contains("invisible"));
+    assert!(wrong("k40", "[pen]\noffset_mm = [-25, 0]")[0].3.contains("`lift`"));
+    assert!(wrong("pen-a3", "[pen]\noffset_mm = [-25, 0]")[0].3.contains("its own tool"));
     let roll = "[roll]\nmedia_width_mm = 610\npinch_margin_mm = 20\nfeed_axis = 'y'\nmax_length_mm = 1000";
     assert!(wrong("k40", roll)[0].3.contains("not both"));
     let found = wrong("k40", "[controller]\nacceleration_mm_per_s2 = [100, 0, 5]\nmax_s = 0");

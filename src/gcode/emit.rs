@@ -122,6 +122,7 @@ pub fn emit(toolpath: &Toolpath, header: &Header, dialect: &Dialect) -> Result<P
     if writer.air_used {
         writer.words(&[('M', 9.0)]);
     }
+    writer.refocus();
     writer.travel(toolpath.home.iter().copied());
     let park = rounded(toolpath.park);
     writer.words(&[('G', 0.0), ('X', park.x), ('Y', park.y)]);
@@ -289,8 +290,11 @@ pub(super) mod tests {
         let round =
             Contour { way: vec![P2::new(50.0, 60.0)], ..contour(line(70.0, 0.0, 80.0, 0.0), Role::Slit, Air::Off) };
         let text = text(vec![stroke, Contour { depth_mm: 0.5, ..back }, round], &DIALECT);
-        assert!(text.contains("G1Y9S500F1200\nG0Z-0.5\nG1Y0"), "{text}");
-        assert!(text.contains("G0X50Y60S0\nX70Y0S0\nG0Z0\nG1X80S500"), "{text}");
+        assert!(text.contains("G1Y9S500F1200\nG0Z-0.5S0\nG1Y0S500"), "{text}");
+        assert!(text.contains("G0X50Y60S0\nX70Y0S0\nG0Z0S0\nG1X80S500"), "{text}");
+        let deep = Contour { depth_mm: 0.5, ..contour(line(1.0, 9.0, 1.0, 0.0), Role::Slit, Air::Off) };
+        let text = self::text(vec![deep], &DIALECT);
+        assert!(text.ends_with("M5S0\nG0Z0\nG0X0Y0\nM2\n"), "it ends where it was focused: {text}");
     }
 
     #[test]

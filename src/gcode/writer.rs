@@ -111,6 +111,15 @@ impl Writer {
         }
     }
 
+    /// Sets a laser that was lowered for its last pass back to where it was focused.
+    pub(super) fn refocus(&mut self) {
+        let laser = matches!(self.dialect.tool, ToolWords::Laser { .. });
+        if laser && std::mem::replace(&mut self.depth_mm, 0.0) != 0.0 {
+            self.motion = Some(0.0);
+            self.words(&[('G', 0.0), ('Z', 0.0)]);
+        }
+    }
+
     /// Puts the tool to the sheet for a contour, or says the laser's mode.
     fn begin(&mut self, contour: &Contour) {
         match self.dialect.tool {
@@ -121,8 +130,8 @@ impl Writer {
                     self.words(&[('M', mode), ('S', 0.0)]);
                 }
                 if std::mem::replace(&mut self.depth_mm, contour.depth_mm) != contour.depth_mm {
-                    self.motion = Some(0.0);
-                    self.words(&[('G', 0.0), ('Z', -contour.depth_mm)]);
+                    (self.motion, self.power_s) = (Some(0.0), 0.0);
+                    self.words(&[('G', 0.0), ('Z', -contour.depth_mm), ('S', 0.0)]);
                 }
             }
             ToolWords::Servo { down_s, dwell_s, .. } => {

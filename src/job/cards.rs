@@ -9,7 +9,7 @@ use crate::calibrate::{self, Answers, Card, Finding, Kind, Setting, Shop};
 use crate::config::{Changes, Grain, Library, ToolClass};
 use crate::drawing::{self, Drawing};
 use crate::preview::ColorBy;
-use crate::toolpath::{Toolpath, Trial};
+use crate::toolpath::{Tool, Toolpath, Trial};
 
 /// Pixels of a card's picture along its longer side.
 const PICTURE_PX: u32 = 1600;
@@ -56,13 +56,13 @@ pub fn test_card(kind: Kind, machine: &str, material: &str, library: &Library) -
     settings.cross_cut = false;
     let drawings: Vec<Drawing> = card.samples.iter().map(|sample| sample.drawing.clone()).collect();
     let file = format!("calibrate-{}", kind.word());
-    let header = |toolpath: &Toolpath, time_s: f64| {
+    let header = |toolpath: &Toolpath, tool: Tool, time_s: f64| {
         let sheet = format!("1/1 card {} x {} mm", card.width_mm, card.height_mm);
-        program::header(vec![("job", file.clone()), ("sheet", sheet)], toolpath, time_s, &setup)
+        program::header(vec![("job", file.clone()), ("sheet", sheet)], toolpath, tool, time_s, &setup)
     };
     let size_mm = [card.width_mm, card.height_mm];
     let written = program::written(&file, &drawings, size_mm, &settings, &header, &setup, &start)?;
-    let ending = if setup.plotter().is_some() { "plt" } else { "nc" };
+    let ending = if setup.plotter(settings.tool).is_some() { "plt" } else { "nc" };
     let program = format!("{file}.{ending}");
     let look = Look { name: &program, text: &written.text, machine: Some(machine), material: Some(material) };
     let picture = dry_run::look(&look, library, Form::Png(PICTURE_PX), ColorBy::Power)?;

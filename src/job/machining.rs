@@ -3,7 +3,7 @@
 use super::order::StartFrom;
 use super::settings::{Setup, reach};
 use crate::config::{self, Air, AirCode, Axis, Backing, Corner, Dialect, Hold, Machine, ToolClass};
-use crate::geom::{P2, Rect};
+use crate::geom::{P2, Rect, V2};
 use crate::{gcode, toolpath};
 
 /// Laser-cut sheets thinner than this, mm, lift and blow away when nothing holds them.
@@ -49,7 +49,7 @@ impl Setup {
             crosses: !self.by_hand(),
             window_mm: roll.map(|roll| roll.window_mm),
             cross_cut: roll.is_some_and(|roll| roll.backing == Backing::None),
-            frame: toolpath::Frame { turned: self.turned(), zero: zero(&self.machine, start) },
+            frame: toolpath::Frame { turned: self.turned(), zero: zero(&self.machine, start), tip: V2::zeros() },
             work_area: reach(&self.machine),
             keep_outs: match start {
                 StartFrom::Absolute => obstacles(&self.machine),
@@ -65,18 +65,21 @@ impl Setup {
         settings
     }
 
-    /// How a pen in the tool's place draws the marks of a sheet, before it is cut; `None` where the tool marks itself or nothing does.
+    /// How the machine's pen draws the marks of a sheet, before it is cut; `None` where the tool marks itself or nothing does.
     pub(super) fn drawing(&self, start: &StartFrom) -> Option<toolpath::Settings> {
+        let [x, y] = self.machine.pen?.offset_mm;
         let pen = process(self.pen()?);
+        let cutting = self.toolpath(start);
         Some(toolpath::Settings {
             tool: toolpath::Tool::Pen,
             share: toolpath::Share::Marks,
-            kerf_mm: 0.0,
             engrave: Some(pen),
             bridges: None,
+            lead_mm: 0.0,
             overcut_mm: 0.0,
             cross_cut: false,
-            ..self.toolpath(start)
+            frame: toolpath::Frame { tip: V2::new(x, y), ..cutting.frame },
+            ..cutting
         })
     }
 
@@ -128,18 +131,19 @@ impl Setup {
         }
     }
 
-    /// What the controller wants to read.
-    pub(super) fn dialect(&self, start: &StartFrom) -> gcode::Dialect {
+    /// What the controller wants to read, for its own tool or for the pen beside it.
+    pub(super) fn dialect(&self, start: &StartFrom, tool: toolpath::Tool) -> gcode::Dialect {
         let word = |code: AirCode| match code {
             AirCode::M7 => 7,
             AirCode::M8 => 8,
         };
         let machine = &self.machine;
-        let tool = match (machine.tool.servo, machine.tool.lift) {
-            (Some(servo), _) => {
+        let second = machine.pen.filter(|_| self.is_second(tool)).and_then(|pen| pen.lift);
+        let tool = match (machine.tool.servo, second.or(machine.tool.lift)) {
+            (Some(servo), None) => {
                 gcode::ToolWords::Servo { down_s: servo.down_s, up_s: servo.up_s, dwell_s: servo.dwell_s }
             }
-            (None, Some(lift)) => gcode::ToolWords::Lift {
+            (_, Some(lift)) => gcode::ToolWords::Lift {
                 down_mm: lift.down_mm,
                 up_mm: lift.up_mm,
                 feed_mm_per_min: lift.feed_mm_per_min,
@@ -155,13 +159,23 @@ impl Setup {
         }
     }
 
+    /// True for the pen of a machine that cuts with something else.
+    pub(super) fn is_second(&self, tool: toolpath::Tool) -> bool {
+        tool == toolpath::Tool::Pen && self.machine.tool.class != ToolClass::Pen
+    }
+
     /// What a plotter is told beside the way; `None` for a machine that reads G-code.
-    pub(super) fn plotter(&self) -> Option<gcode::Plotter> {
-        let cut = &self.pairing.cut;
-        (self.machine.controller.dialect == Dialect::Hpgl).then(|| gcode::Plotter {
-            speed_mm_per_s: Some(cut.feed_mm_per_min / 60.0),
-            force_gf: cut.blade.map(|blade| blade.force_gf),
+    pub(super) fn plotter(&self, tool: toolpath::Tool) -> Option<gcode::Plotter> {
+        let process = self.pen().filter(|_| self.is_second(tool)).unwrap_or(&self.pairing.cut);
+        self.plots().then(|| gcode::Plotter {
+            speed_mm_per_s: Some(process.feed_mm_per_min / 60.0),
+            force_gf: process.blade.map(|blade| blade.force_gf),
         })
+    }
+
+    /// True for a machine that reads plots instead of G-code.
+    pub(super) fn plots(&self) -> bool {
+        self.machine.controller.dialect == Dialect::Hpgl
     }
 }
 
@@ -197,7 +211,7 @@ fn corner(corner: Corner) -> toolpath::Anchor {
 }
 
 /// What the head has to go round, mm in the work frame.
-fn obstacles(machine: &Machine) -> Vec<(String, Rect)> {
+pub(super) fn obstacles(machine: &Machine) -> Vec<(String, Rect)> {
     let rect = |[x, y, width, height]: [f64; 4]| Rect { min: P2::new(x, y), max: P2::new(x + width, y + height) };
     machine.obstacles().map(|(name, sides)| (name.to_owned(), rect(sides))).collect()
 }

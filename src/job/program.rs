@@ -40,15 +40,15 @@ pub(super) fn written(
     drawings: &[Drawing],
     size_mm: [f64; 2],
     settings: &toolpath::Settings,
-    header: &dyn Fn(&Toolpath, f64) -> Header,
+    header: &dyn Fn(&Toolpath, toolpath::Tool, f64) -> Header,
     setup: &Setup,
     start: &StartFrom,
 ) -> Result<Written, Error> {
     let sheet = || file.to_owned();
     let toolpath = planned(file, drawings, size_mm, settings)?;
     let refused = |source| Error::Gcode { sheet: sheet(), source };
-    let checked = check_settings(setup, start, &toolpath);
-    let (text, moves, findings) = if let Some(plotter) = setup.plotter() {
+    let checked = check_settings(setup, start, settings.tool, &toolpath);
+    let (text, moves, findings) = if let Some(plotter) = setup.plotter(settings.tool) {
         let text = gcode::emit_plot(&toolpath, &plotter).map_err(refused)?;
         let feed_mm_per_min = setup.machine.max_feed_mm_per_min();
         let moves =
@@ -56,11 +56,12 @@ pub(super) fn written(
         let findings = gcode::check_moves(&moves, text.lines().count(), &checked).errors;
         (text, moves, findings)
     } else {
-        let write = |header: &Header| gcode::emit(&toolpath, header, &setup.dialect(start)).map_err(refused);
+        let write =
+            |header: &Header| gcode::emit(&toolpath, header, &setup.dialect(start, settings.tool)).map_err(refused);
         let read = |program: &Program| gcode::trace(program).map_err(|source| Error::Trace { sheet: sheet(), source });
         // The header tells the planned time, which is known once the moves are.
         let time_s = gcode::estimate(&read(&write(&Header::default())?)?, &setup.limits()).total_s;
-        let program = write(&header(&toolpath, time_s))?;
+        let program = write(&header(&toolpath, settings.tool, time_s))?;
         let moves = read(&program)?;
         (program.to_string(), moves, gcode::check(&program, &checked).errors)
     };
@@ -72,8 +73,9 @@ pub(super) fn written(
 }
 
 /// What the machine permits. A job placed by hand lies nobody knows where: it is only checked for its size.
-fn check_settings(setup: &Setup, start: &StartFrom, toolpath: &Toolpath) -> CheckSettings {
-    let settings = setup.check();
+fn check_settings(setup: &Setup, start: &StartFrom, tool: toolpath::Tool, toolpath: &Toolpath) -> CheckSettings {
+    let mut settings = setup.check();
+    settings.laser &= !setup.is_second(tool);
     match start {
         StartFrom::Absolute => settings,
         StartFrom::Origin(_) | StartFrom::Current(_) => {
@@ -85,20 +87,28 @@ fn check_settings(setup: &Setup, start: &StartFrom, toolpath: &Toolpath) -> Chec
 }
 
 /// The head of a program: what its caller says first, then what holds for all.
-pub(super) fn header(mut entries: Vec<(&str, String)>, toolpath: &Toolpath, time_s: f64, setup: &Setup) -> Header {
+pub(super) fn header(
+    mut entries: Vec<(&str, String)>,
+    toolpath: &Toolpath,
+    tool: toolpath::Tool,
+    time_s: f64,
+    setup: &Setup,
+) -> Header {
     let bounds = toolpath.bounds();
     let cut = &setup.pairing.cut;
     entries.extend(motion_told(&toolpath.motion).map(|told| ("sheet lies", told)));
+    entries.extend([("machine", setup.machine.name.clone()), ("material", setup.profile.name.clone())]);
+    if setup.is_second(tool) {
+        entries.push(("tool", "pen: run it before the program of the same name in sheets/".to_owned()));
+    } else {
+        let length = format!("{:.0} mm", toolpath.cut_mm());
+        entries.extend([("kerf", format!("{} mm", cut.kerf_mm)), ("cut at", setup.cut_told()), ("cut length", length)]);
+    }
     entries.extend([
-        ("machine", setup.machine.name.clone()),
-        ("material", setup.profile.name.clone()),
-        ("kerf", format!("{} mm", cut.kerf_mm)),
-        ("cut at", setup.cut_told()),
         (
             "bounds",
             format!("X{:.3} Y{:.3} to X{:.3} Y{:.3} mm", bounds.min.x, bounds.min.y, bounds.max.x, bounds.max.y),
         ),
-        ("cut length", format!("{:.0} mm", toolpath.cut_mm())),
         ("planned time", minutes(time_s)),
     ]);
     if let [a, b] = toolpath.crosses[..] {
@@ -107,7 +117,7 @@ pub(super) fn header(mut entries: Vec<(&str, String)>, toolpath: &Toolpath, time
     if setup.profile.grain == Grain::Directional {
         entries.push(("grain", if setup.turned() { "along Y" } else { "along X" }.to_owned()));
     }
-    if !cut.calibrated {
+    if !cut.calibrated && !setup.is_second(tool) {
         entries.push(("UNCALIBRATED", format!("values {}; cut a test piece first", cut.source)));
     }
     Header { entries: entries.into_iter().map(|(k, v)| (k.to_owned(), v)).collect() }

@@ -1,6 +1,7 @@
 //! The only place where machine and profile become the stages' settings.
 
 use super::Error;
+use super::machining::obstacles;
 use crate::config::{
     self, AirCode, Corner, Grain, JointKind, LabelKind, Library, Machine, Making, Pairing, Profile, SpliceKind,
     ToolClass, VisibleFace,
@@ -88,7 +89,7 @@ impl Setup {
             LabelKind::Engrave | LabelKind::Perforate => return None,
             LabelKind::Pen if machine_draws => return None,
             LabelKind::Pen if self.pen().is_some() => {
-                let message = "labels are drawn: put a pen in the knife's place and run the file in pen/, then the knife and the one in sheets/, without moving sheet or zero";
+                let message = "labels are drawn first: run the program in pen/ with the pen, then the one of the same name in sheets/, without moving sheet or zero between them";
                 return Some(Warning::new("pen-first", message));
             }
             LabelKind::Pen => {
@@ -106,7 +107,11 @@ impl Setup {
 
     /// How pieces are labelled: as the design says, else the material for this tool, else engraved where that can be done.
     pub(super) fn label_kind(&self) -> LabelKind {
-        let usual = if self.pairing.engrave.is_some() { LabelKind::Engrave } else { LabelKind::Map };
+        let usual = match (&self.pairing.engrave, &self.pairing.pen) {
+            (Some(_), _) => LabelKind::Engrave,
+            (None, Some(_)) => LabelKind::Pen,
+            (None, None) => LabelKind::Map,
+        };
         let wanted = self.making.label.or_else(|| self.profile.label.for_tool(self.machine.tool.class));
         match wanted.unwrap_or(usual) {
             LabelKind::Engrave => usual,
@@ -132,7 +137,7 @@ impl Setup {
         self.pairing.engrave.as_ref().filter(|_| drawn || self.label_kind() == LabelKind::Engrave)
     }
 
-    /// How a pen in the tool's place draws them; `None` where none does.
+    /// How the machine's pen draws them; `None` where none does.
     pub(super) fn pen(&self) -> Option<&config::Process> {
         self.pairing.pen.as_ref().filter(|_| self.label_kind() == LabelKind::Pen)
     }
@@ -338,10 +343,6 @@ pub(super) fn reach(machine: &Machine) -> Rect {
 /// What a machine permits and, when it is known, what the material on it bears. Work X0 Y0 lies in the machine's origin corner.
 pub fn check_settings(machine: &Machine, pairing: Option<&Pairing>) -> gcode::CheckSettings {
     let controller = &machine.controller;
-    let keep_out = |k: &config::KeepOut| {
-        let min = P2::new(k.x_mm, k.y_mm);
-        (k.name.clone(), Rect { min, max: P2::new(k.x_mm + k.width_mm, k.y_mm + k.height_mm) })
-    };
     let energy = |pairing: &Pairing| {
         let full_power_w = machine.tool.optical_power_w?;
         Some(gcode::Energy { full_power_w, cut_j_per_mm: pairing.cut.energy_j_per_mm(full_power_w) })
@@ -349,8 +350,7 @@ pub fn check_settings(machine: &Machine, pairing: Option<&Pairing>) -> gcode::Ch
     gcode::CheckSettings {
         work_area: reach(machine),
         travel_z_mm: controller.max_travel_mm[2],
-        // The head passes over what stands no higher than it travels.
-        keep_outs: machine.keep_outs.iter().filter(|k| k.rise_mm > machine.tool.clearance_mm).map(keep_out).collect(),
+        keep_outs: obstacles(machine),
         max_s: controller.max_s,
         limits: limits(machine),
         laser: machine.tool.class.is_laser(),

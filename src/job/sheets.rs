@@ -35,7 +35,7 @@ pub(super) struct CutSheet {
     pub toolpath: Toolpath,
     /// What the machine reads; empty for a job that is cut by hand.
     pub text: String,
-    /// What a pen in the tool's place draws before, as the machine reads it.
+    /// What the machine's pen draws before, as the machine reads it.
     pub pen: Option<String>,
     /// What the tool's own program makes it do.
     pub moves: Vec<Move>,
@@ -141,7 +141,7 @@ fn cut_sheet(
 ) -> Result<CutSheet, Error> {
     let file = format!("sheet-{:02}", place.number);
     let start = &order.batch.start;
-    let header = |toolpath: &Toolpath, time_s: f64| header(place, toolpath, time_s, setup, order);
+    let header = |toolpath: &Toolpath, tool, time_s: f64| header(place, toolpath, tool, time_s, setup, order);
     let size_mm = [layout.width_mm, layout.height_mm];
     let written = |drawings: &[Drawing], settings: &toolpath::Settings| {
         program::written(&file, drawings, size_mm, settings, &header, setup, start)
@@ -158,17 +158,24 @@ fn cut_sheet(
         None => (None, written(&drawings, &settings)?),
     };
     let Written { toolpath, text, moves, time_s } = program;
-    let ending = if setup.plotter().is_some() { "plt" } else { "nc" };
+    let ending = if setup.plots() { "plt" } else { "nc" };
     Ok(CutSheet { stock: place.stock.to_owned(), file, ending, layout, drawings, toolpath, text, pen, moves, time_s })
 }
 
-fn header(place: Place, toolpath: &Toolpath, time_s: f64, setup: &Setup, order: &Order) -> Header {
+fn header(
+    place: Place,
+    toolpath: &Toolpath,
+    tool: toolpath::Tool,
+    time_s: f64,
+    setup: &Setup,
+    order: &Order,
+) -> Header {
     let Place { number, count, stock, set } = place;
     let (width_mm, height_mm) = (toolpath.width_mm, toolpath.height_mm);
     let sheet = SheetLabel { number, of: count, stock: stock.to_owned(), width_mm, height_mm };
     let mut entries = vec![("job", order.name.clone()), ("design", order.hash()), ("sheet", sheet.to_string())];
     entries.extend(set.map(|set| ("set", set.to_owned())));
-    program::header(entries, toolpath, time_s, setup)
+    program::header(entries, toolpath, tool, time_s, setup)
 }
 
 /// "3 min 20 s".

@@ -62,7 +62,7 @@ mod tests {
     #[test]
     fn a_job_placed_by_hand_is_only_too_large_never_out_of_place() {
         let by_hand = |width: f64| {
-            let frame = Frame { turned: false, zero: Zero::Job(Anchor { x: 1.0, y: 0.5 }) };
+            let frame = Frame { zero: Zero::Job(Anchor { x: 1.0, y: 0.5 }), ..Frame::PLAIN };
             let settings = Settings { work_area: SHEET, frame, ..settings() };
             let line = Path::open([P2::new(-width, -5.0), P2::new(0.0, 5.0)]);
             check(&[contour(line, Role::Slit)], &SHEET, &settings)

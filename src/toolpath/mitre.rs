@@ -14,11 +14,29 @@ const TANGENT_MM: f64 = 1e-6;
 /// Sharper turns than this, rad, are round on purpose; a corner there would reach out far.
 const MAX_TURN_RAD: f64 = 2.5;
 
-/// Replaces arcs between two tangent lines by the lines' common corner, where that corner lies within [`MAX_REACH_MM`] of the arc.
+/// Replaces arcs between two tangent lines by the lines' common corner, where that corner lies within [`MAX_REACH_MM`] of the arc, and takes out what is
+/// left of segments shorter than that.
 pub(super) fn sharpen(path: Path) -> Path {
-    cornered(path, |radius_mm, turn_rad| {
+    let path = cornered(path, |radius_mm, turn_rad| {
         turn_rad < 1.0 && radius_mm / (0.5 * turn_rad).cos() - radius_mm <= MAX_REACH_MM
-    })
+    });
+    without_hairs(path)
+}
+
+/// Takes out segments too short to write; the ends of an open path stay where they are.
+fn without_hairs(path: Path) -> Path {
+    let last = path.vertices.len().saturating_sub(1);
+    let mut vertices: Vec<PathVertex> = Vec::with_capacity(path.vertices.len());
+    for (i, vertex) in path.vertices.iter().enumerate() {
+        let next = path.vertices.get(i + 1).or(path.vertices.first().filter(|_| path.closed));
+        let hair =
+            next.is_some_and(|next| (next.point - vertex.point).norm() < MAX_REACH_MM && vertex.bulge.abs() < 1.0);
+        let needed = !path.closed && (i == 0 || i == last);
+        if needed || !hair {
+            vertices.push(*vertex);
+        }
+    }
+    if vertices.len() < 2 { path } else { Path { vertices, closed: path.closed } }
 }
 
 /// Replaces those arcs between two tangent lines by the lines' common corner that `unwanted` picks by radius, mm, and turn, rad above 0.
@@ -99,6 +117,16 @@ mod tests {
             assert!(sharp.vertices.iter().all(|v| v.bulge == 0.0));
             assert!((sharp.length() - closed.length()).abs() < 1e-4);
         }
+    }
+
+    #[test]
+    fn segments_of_less_than_a_micron_are_taken_out_and_ends_stay() {
+        let points = [(0.0, 0.0), (0.0, 0.0004), (5.0, 0.0), (5.0003, 0.0003), (5.0, 5.0), (5.0, 5.0002)];
+        let path = Path::open(points.map(|(x, y)| P2::new(x, y)));
+        let sharp = sharpen(path.clone());
+        assert_eq!((sharp.start(), sharp.end()), (path.start(), path.end()));
+        assert_eq!(sharp.vertices.len(), 4);
+        assert_eq!(sharpen(Path { closed: true, ..path }).vertices.len(), 3);
     }
 
     #[test]

@@ -183,7 +183,7 @@ fn crosses_come_first_on_scrap_and_not_where_the_job_is_placed_by_hand() {
     let toolpath = plan(&sheet(), 400.0, 400.0, &marked).unwrap();
     assert_eq!(toolpath.crosses.len(), 2);
     assert!(toolpath.contours[..4].iter().all(|c| c.piece == "cross" && c.operation == Operation::Engrave));
-    let by_hand = Settings { frame: Frame { turned: false, zero: Zero::Job(Anchor::LOWER_LEFT) }, ..marked };
+    let by_hand = Settings { frame: Frame { zero: Zero::Job(Anchor::LOWER_LEFT), ..Frame::PLAIN }, ..marked };
     assert!(plan(&sheet(), 400.0, 400.0, &by_hand).unwrap().crosses.is_empty());
 }
 
@@ -193,7 +193,7 @@ fn a_roll_is_made_length_by_length_and_cut_off_last() {
         s.window_mm = Some(150.0);
         s.cross_cut = true;
         s.work_area = Rect::from_size(400.0, 1000.0);
-        s.frame = Frame { turned: true, zero: Zero::Sheet(Anchor::LOWER_LEFT) };
+        s.frame = Frame { turned: true, ..Frame::PLAIN };
     });
     let toolpath = plan(&sheet(), 400.0, 400.0, &roll).unwrap();
     let (last, others) = toolpath.contours.split_last().unwrap();

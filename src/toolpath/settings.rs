@@ -121,6 +121,8 @@ pub struct Frame {
     pub turned: bool,
     /// Which point lies at work X0 Y0.
     pub zero: Zero,
+    /// Where this tool works, seen from the tool that the machine's zero and reach are meant for, mm in the work frame.
+    pub tip: V2,
 }
 
 /// A piece that is made in another way than the rest, to find out how that comes out.
@@ -203,7 +205,7 @@ impl Anchor {
 
 impl Frame {
     /// Lower left corner of the sheet at work zero, sheet and machine the same way round.
-    pub const PLAIN: Frame = Frame { turned: false, zero: Zero::Sheet(Anchor::LOWER_LEFT) };
+    pub const PLAIN: Frame = Frame { turned: false, zero: Zero::Sheet(Anchor::LOWER_LEFT), tip: V2::new(0.0, 0.0) };
 
     /// From the sheet frame to the work frame, for a sheet of this size on which `job` is the box around everything made.
     pub fn motion(&self, sheet: &Rect, job: &Rect) -> Motion {
@@ -216,7 +218,7 @@ impl Frame {
             Zero::Sheet(anchor) => anchor.of(&turned(sheet)),
             Zero::Job(anchor) => anchor.of(&turned(job)),
         };
-        Motion::new(-zero.coords, turn.rotation.angle())
+        Motion::new(-zero.coords - self.tip, turn.rotation.angle())
     }
 }
 
@@ -340,7 +342,7 @@ mod tests {
     #[test]
     fn a_turned_sheet_keeps_its_handedness_and_its_corner_at_zero() {
         let sheet = Rect::from_size(1000.0, 570.0);
-        let frame = Frame { turned: true, zero: Zero::Sheet(Anchor::LOWER_LEFT) };
+        let frame = Frame { turned: true, ..Frame::PLAIN };
         let motion = frame.motion(&sheet, &sheet);
         // The feed runs along y; what lay lower now lies right.
         let at = |x: f64, y: f64| motion * P2::new(x, y);
@@ -356,9 +358,9 @@ mod tests {
         for x in [0.0, 0.5, 1.0] {
             for y in [0.0, 0.5, 1.0] {
                 let anchor = Anchor { x, y };
-                let on_sheet = Frame { turned: false, zero: Zero::Sheet(anchor) }.motion(&sheet, &job);
+                let on_sheet = Frame { zero: Zero::Sheet(anchor), ..Frame::PLAIN }.motion(&sheet, &job);
                 assert!((on_sheet * anchor.of(&sheet)).coords.norm() < 1e-9);
-                let on_job = Frame { turned: false, zero: Zero::Job(anchor) }.motion(&sheet, &job);
+                let on_job = Frame { zero: Zero::Job(anchor), ..Frame::PLAIN }.motion(&sheet, &job);
                 assert!((on_job * anchor.of(&job)).coords.norm() < 1e-9);
             }
         }

@@ -10,11 +10,17 @@ use crate::geom::{P2, Path, PathVertex, Segment, V2, cross};
 /// Two segments that meet at more than this, rad (15 degrees), meet in a corner that is kept.
 const CORNER_RAD: f64 = 0.26;
 
-/// The path is looked at in points at most this far apart, mm: a tenth of the longest step in which strips are drawn.
-const SAMPLE_MM: f64 = 0.5;
+/// The path is looked at in points at most this far apart, mm: between them an arc of 5 mm radius leaves it by less than 2 um more.
+const SAMPLE_MM: f64 = 0.25;
 
 /// Arcs turn by less than this, rad: beyond, their ends come near each other.
 const MAX_SWEEP_RAD: f64 = 2.8;
+
+/// No line or arc is made shorter than this, mm: the last digit G-code carries. A way round and back to where it began is none either.
+const SHORTEST_MM: f64 = 1e-3;
+
+/// Arcs of larger radius, mm, are no arcs to a controller that computes in 32-bit floats: they would be written in chords after all.
+const MAX_RADIUS_MM: f64 = 1000.0;
 
 /// An arc within this of its chord, mm, is written as the chord: a quarter of a motor step.
 const FLAT_MM: f64 = 0.003;
@@ -104,7 +110,7 @@ fn fitted(points: &[P2], tolerance_mm: f64) -> Option<(f64, f64)> {
     let (a, b) = (points[0], points[points.len() - 1]);
     let chord = b - a;
     let length = chord.norm();
-    if length < SAMPLE_MM {
+    if length < SHORTEST_MM {
         return None;
     }
     let up = V2::new(-chord.y, chord.x) / length;
@@ -119,8 +125,10 @@ fn fitted(points: &[P2], tolerance_mm: f64) -> Option<(f64, f64)> {
         most = most.min(u.max(v));
     }
     let bulge = if least <= most { 0.5 * (least + most) } else { return None };
-    let bulge = if least <= 0.0 && most >= 0.0 && bulge.abs() * 0.5 * length < FLAT_MM { 0.0 } else { bulge };
-    if 4.0 * bulge.atan().abs() > MAX_SWEEP_RAD {
+    let radius_mm = |bulge: f64| 0.25 * length * (bulge + 1.0 / bulge).abs();
+    let flat = bulge.abs() * 0.5 * length < FLAT_MM || radius_mm(bulge) > MAX_RADIUS_MM;
+    let bulge = if least <= 0.0 && most >= 0.0 && flat { 0.0 } else { bulge };
+    if 4.0 * bulge.atan().abs() > MAX_SWEEP_RAD || bulge != 0.0 && radius_mm(bulge) > MAX_RADIUS_MM {
         return None;
     }
     let vertices = vec![PathVertex { point: a, bulge }, PathVertex { point: b, bulge: 0.0 }];
@@ -161,6 +169,29 @@ mod tests {
         for segment in path.segments() {
             assert!(matches!(segment, Segment::Arc { radius, .. } if (radius - 50.0).abs() < 0.03), "{segment:?}");
         }
+    }
+
+    #[test]
+    fn steps_of_microns_between_longer_ones_do_not_stop_an_arc() {
+        // As an offset leaves them: every corner of the circle cut off by a hair.
+        let steps = 1000;
+        let points = (0..steps).flat_map(|k| {
+            [0.0, 1e-5].map(|hair| {
+                let angle = TAU * (f64::from(k) / f64::from(steps) + hair);
+                P2::new(100.0 + 50.0 * angle.cos(), 100.0 + 50.0 * angle.sin())
+            })
+        });
+        let (path, _) = smooth(&Path::closed(points), 0.02);
+        assert!(path.vertices.len() <= 4, "{}", path.vertices.len());
+    }
+
+    #[test]
+    fn an_arc_too_flat_for_a_controller_becomes_lines_within_the_tolerance() {
+        let rim = |x: f64| P2::new(x, 3000.0 - (9e6 - x * x).sqrt());
+        let (path, off) = smooth(&Path::open((0..=100).map(|k| rim(f64::from(k)))), 0.02);
+        assert!(path.vertices.iter().all(|v| v.bulge == 0.0) && off <= 0.02);
+        // Chords of 2 sqrt(2 r t) = 22 mm.
+        assert!(path.vertices.len() <= 7, "{}", path.vertices.len());
     }
 
     #[test]

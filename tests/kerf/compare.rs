@@ -30,39 +30,6 @@ impl Found {
     }
 }
 
-/// The beam: a disc of the kerf's width along every run.
-pub fn beam(nominal: &[Nominal], runs: &[Run], kerf_mm: f64) -> Found {
-    compared(nominal, runs, 0.5 * kerf_mm)
-}
-
-/// The blade: its tip is drawn behind the axis that the runs are for; it was left pointing anywhere.
-pub fn blade(nominal: &[Nominal], runs: &[Run], trail_mm: f64) -> Found {
-    let mut tip = at(-1.0, -1.0);
-    let mut cuts = Vec::new();
-    for run in runs {
-        let axis = walk(&run.points, 0.01);
-        // Lifted, it keeps its heading: where it comes down, the tip lies as far behind as before.
-        let first = axis[0].0;
-        let behind = at(tip.x, tip.y);
-        let mut place = at(
-            first.x + behind.x * trail_mm / behind.to(at(0.0, 0.0)),
-            first.y + behind.y * trail_mm / behind.to(at(0.0, 0.0)),
-        );
-        let mut points = vec![place];
-        for (to, _) in &axis {
-            let distance = place.to(*to);
-            if distance > trail_mm {
-                place = to.between(place, trail_mm / distance);
-                points.push(place);
-            }
-        }
-        let last = run.points[run.points.len() - 1];
-        tip = at(place.x - last.x, place.y - last.y);
-        cuts.push(Run { operation: run.operation.clone(), points });
-    }
-    compared(nominal, &cuts, 0.0)
-}
-
 fn operation(nominal: &Nominal) -> &'static str {
     match nominal.class.as_str() {
         "outline" => "cut-outline",
@@ -71,7 +38,8 @@ fn operation(nominal: &Nominal) -> &'static str {
     }
 }
 
-fn compared(nominal: &[Nominal], runs: &[Run], half_kerf_mm: f64) -> Found {
+/// What is wanted against what a disc of this radius makes on its runs; a blade's tip has none.
+pub fn compared(nominal: &[Nominal], runs: &[Run], half_kerf_mm: f64) -> Found {
     let mut found = Found { worst_mm: 0.0, where_worst: String::new(), gaps: Vec::new() };
     nothing_lost(nominal, runs, half_kerf_mm, &mut found);
     for path in nominal {

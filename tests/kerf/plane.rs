@@ -17,10 +17,6 @@ impl Point {
         (other.x - self.x).hypot(other.y - self.y)
     }
 
-    pub fn shifted(self, by: f64) -> Point {
-        at(self.x + by, self.y)
-    }
-
     pub fn between(self, other: Point, t: f64) -> Point {
         at(self.x + (other.x - self.x) * t, self.y + (other.y - self.y) * t)
     }

@@ -11,12 +11,6 @@ pub struct Run {
     pub points: Vec<Point>,
 }
 
-impl Run {
-    pub fn mapped(&self, f: impl Fn(Point) -> Point) -> Run {
-        Run { operation: self.operation.clone(), points: self.points.iter().map(|p| f(*p)).collect() }
-    }
-}
-
 /// All runs, and the kerf the header names.
 pub fn runs(text: &str) -> (Vec<Run>, f64) {
     let told = |key: &str| text.lines().find_map(|l| l.strip_prefix(&format!("; {key}: ")));

@@ -1,7 +1,6 @@
 //! What is wanted: the paths of a sheet's SVG.
 
 use super::plane::{Point, arc, at, foot};
-use super::program::Run;
 
 /// One path, nominal.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,25 +41,6 @@ impl Nominal {
             "inside" => area.signum(),
             _ => 0.0,
         }
-    }
-
-    /// True for a run that keeps about half a kerf from this path all along.
-    pub fn is_followed_by(&self, run: &Run, kerf_mm: f64) -> bool {
-        let operation = match self.class.as_str() {
-            "outline" => "cut-outline",
-            "mark" | "label" => "engrave",
-            _ => "cut-inner",
-        };
-        run.operation == operation && run.points.iter().all(|p| (self.distance(*p) - 0.5 * kerf_mm).abs() < 0.05)
-    }
-}
-
-impl Point {
-    /// The point as far on the other side of a path.
-    pub fn mirrored_over(self, path: &Nominal) -> Point {
-        let feet = path.points.windows(2).map(|w| foot(self, w[0], w[1]));
-        let near = feet.min_by(|a, b| a.to(self).total_cmp(&b.to(self))).expect("a path has points");
-        at(2.0 * near.x - self.x, 2.0 * near.y - self.y)
     }
 }
 
