@@ -401,7 +401,8 @@ pub(crate) mod tests {
         let (part, new) = ("A".to_owned(), "B".to_owned());
         design.edits.push(Edit::Split { part, origin_mm: [0.0, 5.0, 0.0], normal: [0.0, 1.0, 0.0], new });
         design.edits.push(Edit::Layers { part: "B".into(), layers: 2 });
-        design.check("d.toml").unwrap();
+        let text = design.written_over("d.toml", TEXT).unwrap();
+        assert_eq!(Design::parse("d.toml", &text), Ok(design.clone()));
         let apart = design.taken_apart();
         assert_eq!(apart.splits[0].into, ["A", "B"]);
         assert_eq!(apart.decided(&apart.parts[1]).layers, Some(2));
