@@ -87,6 +87,8 @@ fn a_pen_draws_all_lines_lowers_itself_for_each_and_says_that_it_cuts_nothing() 
 #[test]
 fn a_roll_is_a_plot_that_check_and_preview_read_too() {
     let folder = made("roll-610", "paper-160", &["--roll", "600"]);
+    let again = make(folder.path(), "roll-610", "paper-160", &["--roll", "600"]);
+    assert!(String::from_utf8_lossy(&again.stdout).contains("sheets/*.plt to the cutter"));
     let text = sheet(&folder, "sheet-01.plt");
     assert!(text.starts_with("IN;PA;SP1;\n") && text.ends_with("SP0;\n"));
     let report = report(&folder);
@@ -108,6 +110,8 @@ fn a_roll_is_a_plot_that_check_and_preview_read_too() {
     assert!(checked["bounds_mm"][3].as_f64().unwrap() < 560.0);
     let shown = furbelow(folder.path(), &["preview", "out/sheets/sheet-01.plt", "--out", "sheet.html"]);
     assert!(shown.status.success() && told(&shown).is_empty(), "{}", told(&shown));
+    let sent = furbelow(folder.path(), &["send", "out", "--machine", "roll-610", "--port", "emulator"]);
+    assert!(sent.status.code() == Some(2) && told(&sent).contains("driver"), "{}", told(&sent));
     let refused = make(folder.path(), "roll-610", "paper-160", &["--stock", "A4", "--force"]);
     assert!(!refused.status.success() && told(&refused).contains("--roll"), "{}", told(&refused));
 }

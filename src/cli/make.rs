@@ -104,7 +104,7 @@ fn tell(made: &Made, out: &Path) -> Result<(), Failure> {
     }
     let next = if made.files.iter().any(|file| file.ends_with("print.pdf")) {
         "\nto cut it: print print.pdf at 100 %, cut along the lines, and follow assembly.pdf".to_owned()
-    } else if made.files.iter().any(|file| file.ends_with(".plt")) {
+    } else if made.files.iter().any(|file| file.extension().is_some_and(|e| e == "plt")) {
         ": look at parts/ and sheets/*.png\nto cut it: give sheets/*.plt to the cutter as they are, by its own driver or by copying them to its port; then follow assembly.pdf".to_owned()
     } else {
         format!(

@@ -102,7 +102,9 @@ pub fn look(order: &Look, library: &Library, form: Form, by: ColorBy) -> Result<
     let time_s = timing.total_s;
     let name = order.name.to_owned();
     let run = Run { name, text: order.text.into(), moves: &moves, timing, stock, labels: Vec::new(), notes };
-    let bed = bed(&machine);
+    let mut bed = bed(&machine);
+    // A pen beside a laser draws without light.
+    bed.laser &= label.tool.is_none();
     let picture = |source| Error::Picture { file: order.name.into(), source };
     let bytes = match form {
         Form::Html => html(order.name, std::slice::from_ref(&run), &bed, by).map_err(picture)?.into_bytes(),
@@ -249,6 +251,18 @@ mod tests {
         let turned = Motion::new(V2::new(570.0, 0.0), std::f64::consts::FRAC_PI_2);
         let lies = stock("roll", 800.0, 570.0, &turned, None).rect();
         assert!((lies.min - P2::origin()).norm() < 1e-9 && (lies.max - P2::new(570.0, 800.0)).norm() < 1e-9);
+    }
+
+    #[test]
+    fn what_a_pen_beside_a_laser_draws_is_seen() {
+        let program = "; machine: diode-400\n; tool: pen\nG21G90\nG0Z3\nX10\nG1Z0F600\nX60\nG0Z3\nM2";
+        let drawn = |text: &str| {
+            let order = Look { name: "pen.nc", text, machine: None, material: None };
+            let looked = look(&order, &Library::built_in(), Form::Svg, ColorBy::Power).unwrap();
+            // The way with the tool down is a path of its own.
+            String::from_utf8(looked.bytes).unwrap().contains("d=\"M11.8 403.66 H61.8\"")
+        };
+        assert!(drawn(program) && !drawn(&program.replace("; tool: pen\n", "")));
     }
 
     #[test]

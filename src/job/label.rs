@@ -23,6 +23,8 @@ pub struct Label {
     pub lies: Option<Motion>,
     /// How the grain must lie: "along X"; `None` where the material has none.
     pub grain: Option<String>,
+    /// What it is made with where that is not the machine's own tool: "pen".
+    pub tool: Option<String>,
     /// Why its values are not to be trusted on its machine; `None` when they were measured there.
     pub uncalibrated: Option<String>,
 }
@@ -75,6 +77,7 @@ impl Label {
             "machine" => &mut self.machine,
             "material" => &mut self.material,
             "grain" => &mut self.grain,
+            "tool" => &mut self.tool,
             "UNCALIBRATED" => &mut self.uncalibrated,
             "sheet lies" => {
                 self.lies = self.lies.or_else(|| read_motion(value.trim()));

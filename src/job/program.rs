@@ -99,7 +99,8 @@ pub(super) fn header(
     entries.extend(motion_told(&toolpath.motion).map(|told| ("sheet lies", told)));
     entries.extend([("machine", setup.machine.name.clone()), ("material", setup.profile.name.clone())]);
     if setup.is_second(tool) {
-        entries.push(("tool", "pen: run it before the program of the same name in sheets/".to_owned()));
+        let turn = "before the program of the same name in sheets/, from the same zero";
+        entries.extend([("tool", "pen".to_owned()), ("turn", turn.to_owned())]);
     } else {
         let length = format!("{:.0} mm", toolpath.cut_mm());
         entries.extend([("kerf", format!("{} mm", cut.kerf_mm)), ("cut at", setup.cut_told()), ("cut length", length)]);

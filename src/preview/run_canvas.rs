@@ -37,7 +37,7 @@ pub fn run_canvas(run: &Run, bed: &Bed, by: ColorBy) -> Canvas {
     // The lettering has no semicolon.
     legend.extend(run.notes.iter().map(|note| note.replace(';', ",")));
     sheet_canvas(&SheetView {
-        title: &format!("{}: {}", run.name, what(by)),
+        title: &format!("{}: {}", run.name, what(by, bed)),
         stock: run.stock.as_ref(),
         reach: Some(bed.reach),
         keep_outs: &bed.keep_outs,
@@ -60,8 +60,9 @@ pub fn flattened(m: &Move) -> Vec<P2> {
     (0..=steps).map(|i| m.point_at(i as f64 / steps as f64).xy()).collect()
 }
 
-fn what(by: ColorBy) -> &'static str {
+fn what(by: ColorBy, bed: &Bed) -> &'static str {
     match by {
+        ColorBy::Power if !bed.laser => "moves",
         ColorBy::Power => "power",
         ColorBy::Feed => "feed",
         ColorBy::Energy => "energy per mm",
@@ -74,6 +75,9 @@ fn cut_pens(by: ColorBy, scale: &Scale, bed: &Bed) -> Vec<Pen> {
     let unit = by.unit(bed);
     let tell = |value: f64| if by == ColorBy::Order { clock(value) } else { figures(value) };
     let with_unit = |text: String| if by == ColorBy::Order { text } else { format!("{text} {unit}") };
+    if by == ColorBy::Power && !bed.laser {
+        return vec![pen(1.0, "tool down".into())];
+    }
     if !scale.steps.is_empty() {
         return scale.steps.iter().map(|v| pen(scale.share(*v), with_unit(tell(*v)))).collect();
     }

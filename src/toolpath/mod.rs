@@ -188,12 +188,13 @@ pub fn plan(drawings: &[Drawing], width_mm: f64, height_mm: f64, settings: &Sett
 /// Room between the last piece and the cut across, mm.
 const CROSS_CUT_CLEAR_MM: f64 = 5.0;
 
-/// Cuts the sheet off behind what was made, from rim to rim of what the tool reaches.
+/// Cuts the sheet off behind what was made, from rim to rim of what the tool reaches: a blade's axis needs its trail of that.
 fn cross_cut(job: &Rect, sheet: &Rect, motion: &Motion, settings: &Settings) -> Contour {
     let x = (job.max.x + CROSS_CUT_CLEAR_MM).min(sheet.max.x);
     let process = &settings.cut_outline;
+    let (from, to) = (sheet.min.y + settings.blade_mm(), sheet.max.y - settings.blade_mm());
     Contour {
-        path: Path::open([P2::new(x, sheet.min.y), P2::new(x, sheet.max.y)]).moved(motion),
+        path: Path::open([P2::new(x, from), P2::new(x, to)]).moved(motion),
         operation: Operation::CutOutline,
         role: Role::Outline,
         piece: "cross-cut".into(),

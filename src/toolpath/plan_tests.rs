@@ -199,6 +199,9 @@ fn a_roll_is_made_length_by_length_and_cut_off_last() {
     let (last, others) = toolpath.contours.split_last().unwrap();
     assert_eq!(last.piece, "cross-cut");
     assert!((last.path.length() - 400.0).abs() < 1e-9 && (last.path.start().unwrap().y - 265.075).abs() < 1e-6);
+    let knife = Settings { tool: Tool::Knife { offset_mm: 0.25 }, kerf_mm: 0.0, held: true, ..roll.clone() };
+    let by_blade = plan(&sheet(), 400.0, 400.0, &knife).unwrap();
+    assert_eq!(by_blade.contours.last().unwrap().piece, "cross-cut", "its axis stays within reach");
     // A1 and A3 lie in the first 150 mm of feed, A4 and A2 in the second.
     let second = others.iter().position(|c| ["A2", "A4"].contains(&c.piece.as_str())).unwrap();
     assert!(others[..second].iter().all(|c| ["A1", "A3"].contains(&c.piece.as_str())));
