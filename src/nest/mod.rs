@@ -4,11 +4,24 @@
 //! fewest layouts, then preferred stock, then shortest used length. [`validate`] checks a result on the true polygons; nothing leaves
 //! [`nest`] that fails it.
 
+mod band;
+mod chain;
 mod error;
 mod item;
+pub mod lab;
+mod look;
 mod maxrects;
+mod random;
+mod scene;
 mod search;
+mod separate;
+mod shape;
+mod shorten;
+mod start;
 mod validate;
+
+/// Lengths below this are round-off, mm.
+const NARROW_MM: f64 = 1e-7;
 
 pub use error::{Error, Reason, Unplaced};
 pub use search::nest;
