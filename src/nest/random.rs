@@ -27,6 +27,10 @@ impl Random {
         a + (b - a) * self.unit()
     }
 
+    pub(super) fn coin(&mut self) -> bool {
+        self.next() & 1 == 1
+    }
+
     /// 0 <= k < n; `n` must not be 0.
     pub(super) fn below(&mut self, n: usize) -> usize {
         (self.next() % n as u64) as usize

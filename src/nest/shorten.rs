@@ -1,131 +1,138 @@
-//! Makes the used length of one bay shorter: exploration with bold steps and new starts, then compression with small ones (algorithms 11 to 13 of
+//! Makes the used length of one bay shorter: exploration with bold cuts and new starts, then compression with small cuts (the two phases of
 //! arXiv:2509.13329).
 
 use super::scene::{Pose, Scene};
 use super::separate::{Patience, Separator};
-use std::ops::ControlFlow;
+use super::watch::Watch;
 
-/// Greatest x of a body in the bay, from its left border.
-pub(super) fn used(scene: &Scene, bay: usize) -> f64 {
-    let ends = (0..scene.bodies.len()).filter(|b| scene.poses[*b].bay == bay && !scene.bodies[*b].fixed);
-    ends.map(|b| scene.right(b)).fold(scene.bays[bay].x, f64::max) - scene.bays[bay].x
-}
-
-/// Makes the bay `width` wide: what lies beyond `cut` comes closer.
-fn shrink(scene: &mut Scene, bay: usize, width: f64, cut: f64) {
-    let left = scene.bays[bay].x;
-    let by = scene.bays[bay].width - width;
-    scene.bays[bay].width = width;
-    for body in 0..scene.bodies.len() {
-        let pose = scene.poses[body];
-        if pose.bay != bay || scene.bodies[body].fixed {
-            continue;
-        }
-        let size = scene.lying(body).size.x;
-        let x = if pose.x + 0.5 * size > cut { pose.x - by } else { pose.x };
-        scene.poses[body].x = x.min(left + width - size).max(left);
-    }
-}
-
+/// Share of the effort for exploration.
+const EXPLORE_SHARE: f64 = 0.8;
 const EXPLORE: Patience = Patience { rounds: 60, strikes: 2 };
 const COMPRESS: Patience = Patience { rounds: 60, strikes: 3 };
-pub static mut TRACE: bool = false;
+/// Exploration cuts this share of the length off, less after every failure, and new starts are made at the last.
+const BOLD_CUT: f64 = 0.02;
+const FINE_CUT: f64 = 0.001;
+/// Compression begins and ends with these shares.
+const FIRST_CUT: f64 = 5e-4;
+const LAST_CUT: f64 = 1e-5;
+/// New starts are drawn from failed layouts, the least overlapping of which come first: the deviation of the rank as a share of all.
+const PICK: f64 = 0.25;
+/// Bodies that hold this share of all area are large enough for an exchange to matter.
+const LARGE_SHARE: f64 = 0.75;
 
-pub(super) fn shorten(
-    scene: &mut Scene,
-    bay: usize,
-    separator: &mut Separator,
-    least: f64,
-    until: u64,
-    keep_on: &mut dyn FnMut(&Scene) -> ControlFlow<()>,
-) {
-    let begin = scene.looked;
-    let explore_until = begin + (until - begin) / 10 * 8;
-    let mut stop = |scene: &Scene, until: u64| -> ControlFlow<()> {
-        if scene.looked >= until { ControlFlow::Break(()) } else { keep_on(scene) }
-    };
-    scene.bays[bay].width = used(scene, bay);
-    let mut best = scene.clone();
-    let mut ratio = 0.02;
-    let mut pool: Vec<(f64, Vec<Pose>)> = Vec::new();
-    // Exploration.
-    while scene.looked < explore_until && best.bays[bay].width > least {
-        if pool.is_empty() {
-            let width = best.bays[bay].width;
-            let target = (width * (1.0 - ratio)).max(least);
-            scene.poses.clone_from(&best.poses);
-            scene.bays.clone_from(&best.bays);
-            let cut = scene.bays[bay].x + separator.random.unit() * width;
-            shrink(scene, bay, target, cut);
+/// The shortest complete layout so far.
+struct Best {
+    poses: Vec<Pose>,
+    width: f64,
+}
+
+/// Shortens one bay.
+pub(super) struct Shorten<'a, 'b> {
+    pub(super) scene: &'a mut Scene,
+    pub(super) separator: &'a mut Separator,
+    pub(super) watch: &'a mut Watch<'b>,
+    /// The bay, and the number of bodies that are items.
+    pub(super) bay: usize,
+    pub(super) items: usize,
+    /// Nothing is gained below this length.
+    pub(super) least: f64,
+}
+
+impl Shorten<'_, '_> {
+    /// Shortens the bay until so many lines are looked along. The scene must be complete and without overlaps, and stays so; its bay becomes as wide as
+    /// what lies in it.
+    pub(super) fn run(mut self, until: u64, tell: impl Fn(&Scene) -> String) {
+        let from = self.scene.looked;
+        let explore_until = from + ((until.saturating_sub(from)) as f64 * EXPLORE_SHARE) as u64;
+        let mut best = Best { poses: Vec::new(), width: f64::INFINITY };
+        self.keep(&mut best);
+        self.watch.tell(tell(self.scene));
+        let mut cut = BOLD_CUT;
+        let mut failed: Vec<(f64, Vec<Pose>)> = Vec::new();
+        while best.width > self.least && !self.watch.is_over(self.scene, explore_until) {
+            if failed.is_empty() {
+                self.cut(&best, cut);
+            }
+            if self.separator.separate(self.scene, EXPLORE, self.watch, explore_until) {
+                self.keep(&mut best);
+                self.watch.tell(tell(self.scene));
+                failed.clear();
+            } else if cut > FINE_CUT {
+                cut = (0.5 * cut).max(FINE_CUT);
+            } else {
+                let overlap = self.separator.overlap();
+                let rank = failed.partition_point(|f| f.0 < overlap);
+                failed.insert(rank, (overlap, self.scene.poses.clone()));
+                let rank = (self.separator.random.half_normal(PICK) * failed.len() as f64) as usize;
+                self.scene.poses.clone_from(&failed[rank.min(failed.len() - 1)].1);
+                exchange(self.scene, self.separator);
+            }
         }
-        if separator.separate(scene, EXPLORE, &mut |s| stop(s, explore_until)) {
-            scene.bays[bay].width = used(scene, bay);
-            best.poses.clone_from(&scene.poses);
-            best.bays.clone_from(&scene.bays);
-            if unsafe { TRACE } { eprintln!("explore {} -> {:.2}", scene.looked, scene.bays[bay].width); }
-            pool.clear();
-        } else {
-            if ratio > 0.001 { ratio = f64::max(ratio * 0.5, 0.001);
-                pool.clear(); continue; }
-            let overlap = separator.overlap();
-            let at = pool.partition_point(|p| p.0 < overlap);
-            pool.insert(at, (overlap, scene.poses.clone()));
-            let pick = ((separator.random.half_normal(0.25) * pool.len() as f64) as usize).min(pool.len() - 1);
-            scene.poses.clone_from(&pool[pick].1);
-            disrupt(scene, bay, separator);
+        let from = self.scene.looked;
+        while best.width > self.least && !self.watch.is_over(self.scene, until) {
+            let share = (self.scene.looked - from) as f64 / (until - from) as f64;
+            self.cut(&best, FIRST_CUT * (LAST_CUT / FIRST_CUT).powf(share));
+            if self.separator.separate(self.scene, COMPRESS, self.watch, until) {
+                self.keep(&mut best);
+                self.watch.tell(tell(self.scene));
+            }
+        }
+        self.scene.poses = best.poses;
+        self.scene.bays[self.bay].width = best.width;
+    }
+
+    /// Takes the layout as it lies for the best.
+    fn keep(&mut self, best: &mut Best) {
+        best.width = self.scene.used(self.bay, self.items);
+        self.scene.bays[self.bay].width = best.width;
+        best.poses.clone_from(&self.scene.poses);
+    }
+
+    /// The best layout, shorter by a share: what lies beyond a random place comes closer.
+    fn cut(&mut self, best: &Best, share: f64) {
+        let width = (best.width * (1.0 - share)).max(self.least);
+        let place = self.separator.random.between(0.0, best.width);
+        self.scene.poses.clone_from(&best.poses);
+        self.scene.bays[self.bay].width = width;
+        let movable: Vec<usize> = self.scene.movable(self.bay).collect();
+        for body in movable {
+            let length = self.scene.lying(body).size.x;
+            let pose = &mut self.scene.poses[body];
+            if pose.x + 0.5 * length > place {
+                pose.x -= best.width - width;
+            }
+            pose.x = pose.x.min(width - length).max(0.0);
         }
     }
-    // Compression.
-    scene.looked = scene.looked.max(explore_until.min(scene.looked));
-    let from = scene.looked;
-    while scene.looked < until && best.bays[bay].width > least {
-        let share = (scene.looked - from) as f64 / (until - from).max(1) as f64;
-        let ratio = 0.0005 * (0.00001_f64 / 0.0005).powf(share);
-        let width = best.bays[bay].width;
-        scene.poses.clone_from(&best.poses);
-        scene.bays.clone_from(&best.bays);
-        let cut = scene.bays[bay].x + separator.random.unit() * width;
-        shrink(scene, bay, (width * (1.0 - ratio)).max(least), cut);
-        if separator.separate(scene, COMPRESS, &mut |s| stop(s, until)) {
-            scene.bays[bay].width = used(scene, bay);
-            best.poses.clone_from(&scene.poses);
-            best.bays.clone_from(&scene.bays);
-            if unsafe { TRACE } { eprintln!("compress {} -> {:.2}", scene.looked, scene.bays[bay].width); }
-        } else if stop(scene, until).is_break() {
-            break;
-        }
-    }
-    scene.poses = best.poses;
-    scene.bays = best.bays;
 }
 
 /// Two large bodies change places.
-fn disrupt(scene: &mut Scene, bay: usize, separator: &mut Separator) {
-    let area = |b: usize| scene.lying(b).size.x * scene.lying(b).size.y;
+pub(super) fn exchange(scene: &mut Scene, separator: &mut Separator) {
     let mut large: Vec<usize> =
-        (0..scene.bodies.len()).filter(|b| scene.poses[*b].bay == bay && !scene.bodies[*b].fixed).collect();
-    large.sort_by(|a, b| area(*b).total_cmp(&area(*a)));
-    let total: f64 = large.iter().map(|b| area(*b)).sum();
-    let mut sum = 0.0;
-    let count = large.iter().take_while(|b| { sum += area(**b); sum < 0.75 * total }).count().max(2).min(large.len());
-    if count < 2 { return; }
-    let a = large[separator.random.below(count)];
-    let mut b = a;
-    for _ in 0..20 {
-        b = large[separator.random.below(count)];
-        if a != b && (scene.lying(a).size - scene.lying(b).size).norm() > 1e-6 { break; }
+        (0..scene.bodies.len()).filter(|b| !scene.bodies[*b].fixed && !scene.poses[*b].is_none()).collect();
+    large.sort_by(|a, b| scene.box_area(*b).total_cmp(&scene.box_area(*a)));
+    let mut room: f64 = LARGE_SHARE * large.iter().map(|b| scene.box_area(*b)).sum::<f64>();
+    let count = large.iter().take_while(|b| (room > 0.0, room -= scene.box_area(**b)).0).count();
+    // Equal bodies in each other's places change nothing: a few tries to find two that differ and fit.
+    for _ in 0..2 * count {
+        let (a, b) = (large[separator.random.below(count)], large[separator.random.below(count)]);
+        if (scene.shape(a, 0).size - scene.shape(b, 0).size).norm() < super::NARROW_MM {
+            continue;
+        }
+        if let (Some(p), Some(q)) = (in_place_of(scene, a, b), in_place_of(scene, b, a)) {
+            scene.poses[a] = p;
+            scene.poses[b] = q;
+            return;
+        }
     }
-    let (p, q) = (scene.poses[a], scene.poses[b]);
-    let center = |s: &Scene, k: usize| s.poses[k].x + 0.5 * s.lying(k).size.x;
-    let center_y = |s: &Scene, k: usize| s.poses[k].y + 0.5 * s.lying(k).size.y;
-    let (ca, cb) = ((center(scene, a), center_y(scene, a)), (center(scene, b), center_y(scene, b)));
-    for (body, to, pose) in [(a, cb, p), (b, ca, q)] {
-        let size = scene.lying(body).size;
-        let bay = &scene.bays[bay];
-        scene.poses[body] = Pose {
-            x: (to.0 - 0.5 * size.x).min(bay.x + bay.width - size.x).max(bay.x),
-            y: (to.1 - 0.5 * size.y).min(bay.height - size.y).max(0.0),
-            ..pose
-        };
-    }
+}
+
+/// `body` with its middle where `other` has it, as far as the bay allows.
+fn in_place_of(scene: &Scene, body: usize, other: usize) -> Option<Pose> {
+    let there = scene.poses[other];
+    let size = scene.lying(body).size;
+    let (right, top) = scene.bays[there.bay].reach(scene.lying(body))?;
+    let shift = 0.5 * (scene.lying(other).size - size);
+    let (x, y) = ((there.x + shift.x).clamp(0.0, right), (there.y + shift.y).clamp(0.0, top));
+    Some(Pose { turn: scene.poses[body].turn, bay: there.bay, x, y })
 }

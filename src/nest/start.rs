@@ -1,91 +1,58 @@
-//! A complete layout at once: every body goes as far left as it can, the largest first.
+//! A complete layout at once: every body goes as far left as it can, one after the other.
 
-use super::look::{Found, Look, Weights};
-use super::scene::{Bay, Pose, Scene};
+use super::look::{Line, Look};
+use super::scene::{Pose, Scene};
 
-/// All overlaps matter alike.
-struct Alike;
+/// First step of a slide to the left as a share of a body's length, and the last.
+const SLIDE: f64 = 0.1;
+const SLIDE_END: f64 = 1e-4;
 
-impl Weights for Alike {
-    fn weight(&self, _: usize, _: usize) -> f64 {
-        1.0
-    }
-}
-
-/// A bay that does not exist: where bodies are that have no place yet.
-pub(super) const NOWHERE: usize = usize::MAX;
-
-/// The pose of a body without a place.
-pub(super) const UNPLACED: Pose = Pose { turn: 0, bay: NOWHERE, x: 0.0, y: 0.0 };
-
-/// The leftmost free place for `body` in a bay, among those beside other bodies' boxes and what sliding left from there finds.
+/// The leftmost free place for `body` in a bay, among those where its box touches another's and what sliding left from there finds.
 pub(super) fn leftmost(scene: &mut Scene, look: &mut Look, body: usize, bay: usize) -> Option<Pose> {
     let mut best: Option<(f64, Pose)> = None;
     for turn in 0..scene.bodies[body].turns.len() {
-        let size = scene.shape(body, turn).size;
-        let Some((x0, x1)) = scene.reach(scene.shape(body, turn), &scene.bays[bay]) else { continue };
-        let mut xs = vec![x0];
-        for other in (0..scene.bodies.len()).filter(|o| scene.poses[*o].bay == bay) {
-            xs.extend([scene.right(other), scene.poses[other].x - size.x]);
+        let width = scene.shape(body, turn).size.x;
+        let Some((end, _)) = scene.bays[bay].reach(scene.shape(body, turn)) else { continue };
+        let mut xs = vec![0.0, end];
+        for other in (0..scene.bodies.len()).filter(|o| scene.poses[*o].bay == bay && *o != body) {
+            xs.extend([scene.right(other), scene.poses[other].x - width].into_iter().filter(|x| (0.0..=end).contains(x)));
         }
-        xs.retain(|x| *x >= x0 && *x <= x1);
         xs.sort_by(f64::total_cmp);
         xs.dedup();
-        for x in xs {
-            if best.is_some_and(|(right, _)| x + size.x >= right) {
-                break;
+        let mut nearer = xs.into_iter().take_while(|x| best.is_none_or(|(right, _)| x + width < right));
+        if let Some(pose) = nearer.find_map(|x| look.free(scene, body, Line { turn, bay, x })) {
+            let pose = slid_left(scene, look, body, pose);
+            if best.is_none_or(|(right, _)| pose.x + width < right) {
+                best = Some((pose.x + width, pose));
             }
-            let Some(found) = free(scene, look, body, (turn, bay, x)) else { continue };
-            let pose = slid_left(scene, look, body, found, x0);
-            if best.is_none_or(|(right, _)| pose.x + size.x < right) {
-                best = Some((pose.x + size.x, pose));
-            }
-            break;
         }
     }
     best.map(|(_, pose)| pose)
 }
 
-fn free(scene: &mut Scene, look: &mut Look, body: usize, at: (usize, usize, f64)) -> Option<Pose> {
-    let found: Found = look.along(scene, &Alike, body, at, f64::MIN_POSITIVE)?;
-    Some(found.pose)
-}
-
-fn slid_left(scene: &mut Scene, look: &mut Look, body: usize, pose: Pose, x0: f64) -> Pose {
+/// As far left as steps that end in free places lead.
+pub(super) fn slid_left(scene: &mut Scene, look: &mut Look, body: usize, pose: Pose) -> Pose {
+    let Pose { turn, bay, .. } = pose;
+    let width = scene.shape(body, turn).size.x;
     let mut best = pose;
-    let mut step = 0.1 * scene.shape(body, pose.turn).size.x;
-    let finest = 1e-3 * step;
-    while step > finest {
-        let x = (best.x - step).max(x0);
-        match free(scene, look, body, (pose.turn, pose.bay, x)) {
-            Some(pose) if x < best.x => best = pose,
-            _ => step *= 0.5,
+    let mut step = SLIDE * width;
+    while step > SLIDE_END * width && best.x > 0.0 {
+        match look.free(scene, body, Line { turn, bay, x: (best.x - step).max(0.0) }) {
+            Some(pose) => best = pose,
+            None => step *= 0.5,
         }
     }
     best
 }
 
-/// Places bodies in the given order, each in the first bay with room for it; `open` makes another bay for a body that fits none, or says that there
-/// is none. Returns those without a place.
-pub(super) fn place_all(
-    scene: &mut Scene,
-    order: &[usize],
-    mut open: impl FnMut(&Scene, usize) -> Option<Bay>,
-) -> Vec<usize> {
+/// Places bodies in the given order, each in the first bay with room for it; `open` makes another bay for a body that fits none, if there is one. What
+/// finds no place keeps none.
+pub(super) fn place(scene: &mut Scene, order: &[usize], mut open: impl FnMut(&mut Scene, usize) -> Option<Pose>) {
     let mut look = Look::default();
-    let mut left = Vec::new();
     for &body in order {
-        let mut pose = (0..scene.bays.len()).find_map(|bay| leftmost(scene, &mut look, body, bay));
-        if pose.is_none()
-            && let Some(bay) = open(scene, body)
-        {
-            scene.bays.push(bay);
-            pose = leftmost(scene, &mut look, body, scene.bays.len() - 1);
-        }
-        match pose {
-            Some(pose) => scene.poses[body] = pose,
-            None => left.push(body),
+        let free = (0..scene.bays.len()).find_map(|bay| leftmost(scene, &mut look, body, bay));
+        if let Some(pose) = free.or_else(|| open(scene, body)) {
+            scene.poses[body] = pose;
         }
     }
-    left
 }
