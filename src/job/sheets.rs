@@ -3,13 +3,14 @@
 use super::settings::Setup;
 use super::stock;
 use super::strips::Strips;
-use super::{Error, Order, SheetLabel};
+use super::{Error, Order, SheetLabel, offcuts};
 use crate::config::Grain;
 use crate::drawing::{Drawing, Operation};
 use crate::gcode::{self, Header, Move, Program};
-use crate::geom::tolerance;
+use crate::geom::{Rect, tolerance};
 use crate::nest::{self, Item, Layout};
 use crate::progress::{Observer, Warning};
+use crate::strip::Piece;
 use crate::toolpath::{self, Toolpath};
 
 /// One sheet, ready to cut.
@@ -31,6 +32,8 @@ pub(super) struct CutSheet {
     pub moves: Vec<Move>,
     /// Planned time, s.
     pub time_s: f64,
+    /// The largest rectangle that is left, where it is worth keeping; sheet frame.
+    pub offcut: Option<Rect>,
 }
 
 /// All sheets.
@@ -49,17 +52,12 @@ pub(super) fn sheets(
     order: &Order,
     observer: &mut dyn Observer,
 ) -> Result<Sheets, Error> {
-    let items: Vec<Item> = strips
-        .pieces
-        .iter()
-        .map(|piece| Item {
-            name: piece.name.clone(),
-            polygon: piece.drawing.outline().map_or_else(Vec::new, |path| path.flatten(tolerance::FLATTEN_MM)),
-            angles_deg: setup.angles_deg(),
-        })
-        .collect();
+    let items = items(strips, setup);
     let containers: Vec<_> = strips.stock.iter().map(|sheet| stock::container(sheet, setup)).collect();
-    let layouts = nest::nest(&items, &containers, &setup.nest(), observer)?;
+    let mut layouts = nest::nest(&items, &containers, &setup.nest(), observer)?;
+    if !layouts.unplaced.is_empty() {
+        return Err(nest::Error::Unplaced(std::mem::take(&mut layouts.unplaced)).into());
+    }
     let count = layouts.layouts.len();
     let used: Vec<_> = layouts.layouts.iter().map(|l| &strips.stock[l.container]).collect();
     let cut_from: Vec<_> = strips.stock.iter().filter(|sheet| used.contains(sheet)).collect();
@@ -69,12 +67,28 @@ pub(super) fn sheets(
         .into_iter()
         .enumerate()
         .map(|(i, layout)| {
+            let offcut = offcuts::offcut(&items, &containers, &layout, &setup.nest());
             let drawings: Vec<Drawing> =
                 layout.placements.iter().map(|p| strips.pieces[p.item].drawing.moved(&p.motion())).collect();
-            program(format!("sheet-{:02}", i + 1), (i + 1, count), &used[i].name, layout, drawings, setup, order)
+            let file = format!("sheet-{:02}", i + 1);
+            let sheet = program(file, (i + 1, count), &used[i].name, layout, drawings, setup, order)?;
+            Ok(CutSheet { offcut, ..sheet })
         })
         .collect::<Result<Vec<CutSheet>, Error>>()?;
     Ok(Sheets { sheets, warnings })
+}
+
+/// The outlines of all pieces; those of one part are kept together.
+fn items(strips: &Strips, setup: &Setup) -> Vec<Item> {
+    let mut parts: Vec<&str> = strips.pieces.iter().map(|piece| piece.part.as_str()).collect();
+    parts.sort_unstable();
+    parts.dedup();
+    let item = |piece: &Piece| {
+        let polygon = piece.drawing.outline().map_or_else(Vec::new, |path| path.flatten(tolerance::FLATTEN_MM));
+        let set = parts.binary_search(&piece.part.as_str()).ok().map(|part| part as u32);
+        Item { set, ..Item::new(piece.name.clone(), polygon, setup.angles_deg()) }
+    };
+    strips.pieces.iter().map(item).collect()
 }
 
 fn program(
@@ -97,7 +111,7 @@ fn program(
     if setup.by_hand() {
         let time_s = 60.0 * toolpath.cut_mm() / setup.pairing.cut.feed_mm_per_min;
         let (program, moves) = (Program::default(), Vec::new());
-        return Ok(CutSheet { stock: stock.to_owned(), file, layout, drawings, toolpath, program, moves, time_s });
+        return Ok(CutSheet { stock: stock.to_owned(), file, layout, drawings, toolpath, program, moves, time_s, offcut: None });
     }
     let write = |header: &Header| {
         gcode::emit(&toolpath, header, &setup.dialect()).map_err(|source| Error::Gcode { sheet: sheet(), source })
@@ -111,7 +125,7 @@ fn program(
     if let Some(finding) = gcode::check(&program, &setup.check()).errors.into_iter().next() {
         return Err(Error::Check { sheet: sheet(), finding });
     }
-    Ok(CutSheet { stock: stock.to_owned(), file, layout, drawings, toolpath, program, moves, time_s })
+    Ok(CutSheet { stock: stock.to_owned(), file, layout, drawings, toolpath, program, moves, time_s, offcut: None })
 }
 
 fn header(

@@ -169,7 +169,7 @@ impl Instance {
     }
 
     /// The instance as jagua-rs 1.x reads it; items are numbered in their order.
-    pub fn to_json(&self) -> Result<String, InstanceError> {
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
         let items = self.items.iter().enumerate().map(|(k, item)| FileItem {
             id: k as u64,
             demand: item.copies,
@@ -192,7 +192,7 @@ impl Instance {
             strip_height,
             bins: strip_height.is_none().then(|| bins.collect()),
         };
-        Ok(serde_json::to_string(&file)?)
+        serde_json::to_string(&file)
     }
 
     fn bin(&self, k: usize, container: &Container) -> FileBin {

@@ -30,6 +30,8 @@ impl Turn {
 /// What placing needs to know of an item.
 pub(super) struct Prepared {
     pub(super) area: f64,
+    /// Area it takes up with its share of the spacing around it, mm2.
+    pub(super) takes: f64,
     /// Never empty.
     pub(super) turns: Vec<Turn>,
     /// The item at each turn.
@@ -62,7 +64,9 @@ fn prepare(item: &Item, within: f64, by: f64) -> Prepared {
         }
     }
     let shapes = turns.iter().map(|turn| Shape::new(&[turn.of(&item.polygon)], within, by)).collect();
-    Prepared { area: signed_area(&item.polygon).abs(), turns, shapes }
+    let (area, bounds) = (signed_area(&item.polygon).abs(), Rect::around(&item.polygon));
+    let takes = area + 2.0 * by * (bounds.width() + bounds.height());
+    Prepared { area, takes, turns, shapes }
 }
 
 fn check(item: &Item) -> Result<(), Error> {

@@ -18,9 +18,11 @@ mod bays;
 mod chain;
 mod empty;
 mod error;
+mod fewer;
 mod gather;
 mod instance;
 mod item;
+mod layouts;
 mod look;
 mod offcut;
 mod pairs;
@@ -35,6 +37,9 @@ mod squeeze;
 mod start;
 mod validate;
 mod watch;
+
+#[cfg(test)]
+mod tests;
 
 pub use error::{Error, Reason, Unplaced};
 pub use instance::{Instance, InstanceError, Solution};

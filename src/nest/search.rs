@@ -7,19 +7,15 @@ use super::look::Look;
 use super::scene::{Body, Pose, Scene};
 use super::separate::Separator;
 use super::shorten::Shorten;
-use super::squeeze::squeeze;
 use super::start;
 use super::watch::Watch;
-use super::{Container, Error, Item, Layout, Layouts, Placement, Reason, Settings, Unplaced, validate};
-use crate::geom::V2;
+use super::{Container, Error, Item, Layouts, Settings, validate};
 use crate::progress::Observer;
 
 /// Starts may take this share of the effort; the first is always made.
 const START_SHARE: f64 = 0.1;
 /// Share of the effort for getting by with less stock.
 const FEWER_SHARE: f64 = 0.6;
-/// Nothing gets denser than this.
-const DENSEST: f64 = 0.995;
 /// Should a layout fail validation, everything is made once more with so much more room around items, mm.
 const MORE_ROOM_MM: f64 = 1e-3;
 
@@ -80,14 +76,15 @@ enum Order {
 /// How good a layout is, the smallest best: bodies without a place, cost, bays, index of stock, used length.
 type Score = (usize, f64, usize, usize, f64);
 
-struct Job<'a> {
-    items: &'a [Item],
-    containers: &'a [Container],
+/// Everything given, made ready.
+pub(super) struct Job<'a> {
+    pub(super) items: &'a [Item],
+    pub(super) containers: &'a [Container],
     settings: &'a Settings,
-    ready: Vec<Prepared>,
-    grounds: Grounds,
-    /// Item and copy of every body that is one.
-    copies: Vec<(usize, u32)>,
+    pub(super) ready: Vec<Prepared>,
+    pub(super) grounds: Grounds,
+    /// Item and copy of every body that is one; they come first.
+    pub(super) copies: Vec<(usize, u32)>,
 }
 
 impl Job<'_> {
@@ -194,73 +191,6 @@ impl Job<'_> {
         (scene.homeless().len(), cost, scene.bays.len(), index, used)
     }
 
-    /// Makes room for what found no place.
-    fn house_all(&self, scene: &mut Scene, separator: &mut Separator, watch: &mut Watch, until: u64) {
-        let room: f64 = scene.bays.iter().map(|b| self.grounds.grounds[b.container].area).sum();
-        let fit = |b: &usize| self.containers_holding(scene, *b).next().is_some();
-        if !scene.homeless().is_empty() && scene.homeless().iter().all(fit) && self.area(scene) < DENSEST * room {
-            squeeze(scene, separator, watch, until);
-        }
-    }
-
-    /// Gets by with less stock: without a bay, or with a cheaper one in its place, the greatest gain first.
-    fn fewer(&self, scene: &mut Scene, separator: &mut Separator, watch: &mut Watch, until: u64) {
-        let mut tried: Vec<(usize, Option<usize>)> = Vec::new();
-        while scene.homeless().is_empty() {
-            let Some((bay, instead)) = self.saving(scene, &tried) else { break };
-            if watch.is_over(scene, until) {
-                break;
-            }
-            let before = scene.clone();
-            let container = scene.bays[bay].container;
-            scene.close(bay);
-            if let Some(kind) = instead {
-                self.grounds.open(scene, kind);
-            }
-            if squeeze(scene, separator, watch, scene.looked + (until - scene.looked) * 2 / 3) {
-                watch.tell(self.note(scene));
-            } else {
-                let looked = scene.looked;
-                *scene = before;
-                scene.looked = looked;
-                tried.push((container, instead));
-            }
-        }
-    }
-
-    /// The bay whose loss or exchange saves most, and what replaces it: of equal ones the bay with the least on it.
-    fn saving(&self, scene: &Scene, tried: &[(usize, Option<usize>)]) -> Option<(usize, Option<usize>)> {
-        let ground = |k: usize| &self.grounds.grounds[k];
-        let room: f64 = scene.bays.iter().map(|b| ground(b.container).area).sum();
-        let needed = self.area(scene) / DENSEST;
-        let mut best: Option<((f64, usize, f64), (usize, Option<usize>))> = None;
-        for bay in 0..scene.bays.len() {
-            let Some(container) = self.closable(scene, bay) else { continue };
-            let filled: f64 = scene.movable(bay).map(|b| self.ready[self.copies[b].0].area).sum();
-            for instead in (0..self.containers.len()).map(Some).chain([None]) {
-                let (area, cost, rank) = instead.map_or((0.0, 0.0, 0), |k| (ground(k).area, ground(k).cost, k + 1));
-                let gain = (ground(container).cost - cost, container + 1 - rank.min(container + 1));
-                let saves = gain.0 > 0.0 || (gain.0 == 0.0 && rank < container + 1);
-                let there = instead.is_none_or(|k| k != container && self.grounds.has_more(scene, k));
-                let fits = room - ground(container).area + area >= needed;
-                if !saves || !there || !fits || tried.contains(&(container, instead)) {
-                    continue;
-                }
-                let key = (gain.0, gain.1, -filled);
-                if best.is_none_or(|(b, _)| key > b) {
-                    best = Some((key, (bay, instead)));
-                }
-            }
-        }
-        best.map(|(_, saving)| saving)
-    }
-
-    /// The container of a bay that nothing is fixed in.
-    fn closable(&self, scene: &Scene, bay: usize) -> Option<usize> {
-        let fixed = (0..self.copies.len()).any(|b| scene.bodies[b].fixed && scene.poses[b].bay == bay);
-        (!fixed).then(|| scene.bays[bay].container)
-    }
-
     /// Shortens the bay with the least on it.
     fn shorter(&self, scene: &mut Scene, separator: &mut Separator, watch: &mut Watch, until: u64) {
         let n = self.copies.len();
@@ -272,7 +202,7 @@ impl Job<'_> {
         };
         let movable: Vec<usize> = scene.movable(bay).collect();
         let fixed = (0..n).filter(|b| scene.bodies[*b].fixed && scene.poses[*b].bay == bay).map(|b| scene.right(b));
-        let alone = if scene.bays.len() == 1 { self.area(scene) / scene.bays[bay].height } else { 0.0 };
+        let alone = if scene.bays.len() == 1 { self.area() / scene.bays[bay].height } else { 0.0 };
         let least = movable.iter().map(|b| widest(*b)).chain(fixed).fold(alone, f64::max);
         if movable.is_empty() {
             return;
@@ -280,88 +210,16 @@ impl Job<'_> {
         Shorten { scene, separator, watch, bay, items: n, least }.run(until, |scene| self.note(scene));
     }
 
-    /// Area of everything that has a place or needs one.
-    fn area(&self, scene: &Scene) -> f64 {
-        scene.poses.iter().zip(&self.copies).map(|(_, (item, _))| self.ready[*item].area).sum()
-    }
-
-    fn containers_holding<'s>(&'s self, scene: &'s Scene, body: usize) -> impl Iterator<Item = usize> + 's {
-        let holds = move |k: &usize| {
-            let bay = self.grounds.grounds[*k].bay;
-            scene.bodies[body].turns.iter().any(|t| bay.reach(t).is_some())
-        };
-        (0..self.containers.len()).filter(holds)
+    /// Area of all items, mm2.
+    pub(super) fn area(&self) -> f64 {
+        self.copies.iter().map(|(item, _)| self.ready[*item].area).sum()
     }
 
     /// "3 sheets, 71 % filled".
-    fn note(&self, scene: &Scene) -> String {
+    pub(super) fn note(&self, scene: &Scene) -> String {
         let sheets = scene.bays.len();
         let used: f64 = (0..sheets).map(|b| scene.used(b, self.copies.len()) * scene.bays[b].height).sum();
-        let filled = if used > 0.0 { 100.0 * self.area(scene) / used } else { 0.0 };
+        let filled = if used > 0.0 { 100.0 * self.area() / used } else { 0.0 };
         format!("{sheets} {}, {filled:.1} % filled", if sheets == 1 { "sheet" } else { "sheets" })
-    }
-
-    fn layouts(&self, scene: &Scene, stopped_early: bool) -> Layouts {
-        let mut layouts: Vec<Layout> = Vec::new();
-        for (k, bay) in scene.bays.iter().enumerate() {
-            let mut bodies: Vec<usize> = (0..self.copies.len()).filter(|b| scene.poses[*b].bay == k).collect();
-            if bodies.is_empty() {
-                continue;
-            }
-            // Along the feed.
-            bodies.sort_by(|a, b| scene.poses[*a].x.total_cmp(&scene.poses[*b].x));
-            let container = &self.containers[bay.container];
-            let size = container.size_mm();
-            let used_mm = scene.used(k, self.copies.len()) + 2.0 * self.grounds.offset.x;
-            let width_mm = match container {
-                Container::Sheet { .. } => size.x,
-                // An exact fit may end a round-off beyond the longest layout.
-                Container::Roll { .. } => used_mm.min(size.x),
-            };
-            let filled: f64 = bodies.iter().map(|b| self.ready[self.copies[*b].0].area).sum();
-            let placements = bodies.iter().map(|b| self.placement(scene, *b)).collect();
-            let density = filled / (width_mm * size.y);
-            layouts.push(Layout { container: bay.container, width_mm, height_mm: size.y, placements, density });
-        }
-        let unplaced = scene.homeless().into_iter().map(|b| Unplaced {
-            item: self.copies[b].0,
-            copy: self.copies[b].1,
-            name: self.items[self.copies[b].0].name.clone(),
-            reason: self.reason(scene, b),
-        });
-        Layouts { layouts, unplaced: unplaced.collect(), stopped_early }
-    }
-
-    fn placement(&self, scene: &Scene, body: usize) -> Placement {
-        let (item, copy) = self.copies[body];
-        let pose = scene.poses[body];
-        let turn = self.ready[item].turns[pose.turn];
-        let shift = match self.items[item].fixed {
-            Some(fixed) => fixed.shift,
-            None => V2::new(pose.x, pose.y) + self.grounds.offset - scene.lying(body).origin,
-        };
-        Placement { item, copy, mirrored: turn.mirrored, rotation_deg: turn.angle_deg, shift }
-    }
-
-    /// Why a body found no place.
-    fn reason(&self, scene: &Scene, body: usize) -> Reason {
-        let mut nearest = (f64::INFINITY, 0);
-        for (k, ground) in self.grounds.grounds.iter().enumerate() {
-            for shape in scene.bodies[body].turns.iter() {
-                let missing = (shape.size - V2::new(ground.bay.width, ground.bay.height)).max();
-                if missing < nearest.0 {
-                    nearest = (missing, k);
-                }
-            }
-        }
-        if nearest.0 > super::NARROW_MM {
-            return Reason::TooLarge { container: self.containers[nearest.1].name().to_string(), by_mm: nearest.0 };
-        }
-        let mut empty = Scene::new(scene.bodies[..self.copies.len()].to_vec());
-        let fits = (0..self.containers.len()).any(|kind| {
-            let bay = self.grounds.open(&mut empty, kind);
-            start::leftmost(&mut empty, &mut Look::default(), body, bay).is_some()
-        });
-        if fits { Reason::StockUsedUp } else { Reason::NoRoom }
     }
 }
