@@ -103,3 +103,56 @@ fn column(edges: &[Piece], x0: f64, x1: f64) -> Vec<Trapezoid> {
     across.sort_by(|a, b| a.y(middle).total_cmp(&b.y(middle)));
     across.chunks_exact(2).map(|pair| Trapezoid { lower: pair[0], upper: pair[1] }).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::signed_area;
+    use proptest::prelude::*;
+
+    fn polygon(points: &[(f64, f64)]) -> Vec<P2> {
+        points.iter().map(|&(x, y)| P2::new(x, y)).collect()
+    }
+
+    fn area(band: &Band) -> f64 {
+        let under = |chain: &[Piece]| chain.iter().map(|p| 0.5 * (p.y(p.x0) + p.y(p.x1)) * (p.x1 - p.x0)).sum::<f64>();
+        under(&band.upper) - under(&band.lower)
+    }
+
+    #[test]
+    fn a_wave_is_one_band_and_a_fork_three() {
+        let wave = polygon(&[(0.0, 0.0), (5.0, 8.0), (10.0, 0.0), (10.0, 2.0), (5.0, 10.0), (0.0, 2.0)]);
+        assert_eq!(bands(&[wave]).len(), 1);
+        let fork = polygon(&[(0.0, 0.0), (9.0, 0.0), (9.0, 2.0), (4.0, 2.0), (4.0, 4.0), (9.0, 4.0), (9.0, 6.0), (0.0, 6.0)]);
+        let bands = bands(&[fork]);
+        assert_eq!(bands.len(), 3);
+        assert!((bands.iter().map(area).sum::<f64>() - 44.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_hole_is_left_out() {
+        let square = polygon(&[(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]);
+        let hole = polygon(&[(4.0, 4.0), (6.0, 4.0), (6.0, 6.0), (4.0, 6.0)]);
+        let bands = bands(&[square, hole]);
+        assert_eq!(bands.len(), 4);
+        assert!((bands.iter().map(area).sum::<f64>() - 96.0).abs() < 1e-12);
+    }
+
+    proptest! {
+        #[test]
+        fn bands_have_the_area_of_the_shape_whichever_way_it_is_turned(
+            radii in prop::collection::vec(1.0..9.0f64, 3..20), angle in 0.0..6.3f64,
+        ) {
+            let n = radii.len() as f64;
+            let corner = |(k, r): (usize, &f64)| {
+                let a = angle + k as f64 / n * std::f64::consts::TAU;
+                P2::new(r * a.cos(), r * a.sin())
+            };
+            let star: Vec<P2> = radii.iter().enumerate().map(corner).collect();
+            let bands = bands(std::slice::from_ref(&star));
+            prop_assert!((bands.iter().map(area).sum::<f64>() - signed_area(&star)).abs() < 1e-5);
+            let grown: Vec<Band> = bands.iter().map(|b| b.simplified(0.1).grown(0.5)).collect();
+            prop_assert!(grown.iter().all(|b| b.lower.len() > 1 && area(b) > 0.0));
+        }
+    }
+}

@@ -55,15 +55,17 @@ pub(super) fn range(chain: &[Piece]) -> (f64, f64) {
     chain.iter().flat_map(|p| [p.y0, p.y(p.x1)]).fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), y| (lo.min(y), hi.max(y)))
 }
 
-/// An upper border with fewer pieces that lies at most `within` above this one and nowhere below. Straight runs stay exactly as they are.
+/// An upper border with fewer pieces that lies at most `within` above this one and nowhere below. Straight runs stay exactly as they are,
+/// and so does the highest point.
 pub(super) fn simplified(chain: &[Piece], within: f64) -> Vec<Piece> {
+    let (_, top) = range(chain);
     let mut made = Vec::new();
     let mut first = 0;
     while first < chain.len() {
         let mut best = chain[first];
         let mut next = first + 1;
         while next < chain.len() {
-            let Some(piece) = chord(&chain[first..=next], within) else { break };
+            let Some(piece) = chord(&chain[first..=next], within).filter(|p| p.y0.max(p.y(p.x1)) <= top) else { break };
             best = piece;
             next += 1;
         }
@@ -166,4 +168,75 @@ pub(super) fn rise(top: &[Piece], bottom: &[Piece], dx: f64, a: f64, b: f64) -> 
         u += usize::from(q1 <= to);
     }
     most
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::distance_to_segment;
+    use proptest::prelude::*;
+
+    fn chain(points: &[(f64, f64)]) -> Vec<Piece> {
+        points.windows(2).map(|w| Piece::between(P2::new(w[0].0, w[0].1), P2::new(w[1].0, w[1].1))).collect()
+    }
+
+    fn at(chain: &[Piece], x: f64) -> f64 {
+        let over = chain.iter().filter(|p| p.x0 - 1e-9 <= x && x <= p.x1 + 1e-9);
+        over.map(|p| p.y(x)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    #[test]
+    fn straight_runs_are_simplified_exactly_and_a_top_is_never_passed() {
+        let straight = chain(&[(0.0, 1.0), (1.0, 1.0), (4.0, 1.0)]);
+        assert_eq!(simplified(&straight, 0.1), chain(&[(0.0, 1.0), (4.0, 1.0)]));
+        let bent = chain(&[(0.0, 0.0), (1.0, 0.05), (2.0, 0.05), (3.0, 0.0)]);
+        assert!(range(&simplified(&bent, 1.0)).1 <= 0.05);
+    }
+
+    prop_compose! {
+        fn wavy()(heights in prop::collection::vec(-5.0..5.0f64, 2..30)) -> Vec<Piece> {
+            chain(&heights.iter().enumerate().map(|(k, y)| (k as f64, *y)).collect::<Vec<_>>())
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_simplified_lies_above_but_not_far(wavy in wavy(), within in 0.01..3.0f64) {
+            let rough = simplified(&wavy, within);
+            prop_assert!(rough.len() <= wavy.len());
+            for k in 0..10 * (wavy.len() - 1) {
+                let x = 0.1 * k as f64 + 0.05;
+                let above = at(&rough, x) - at(&wavy, x);
+                prop_assert!((-1e-9..=within + 1e-9).contains(&above), "{above} at {x}");
+            }
+        }
+
+        #[test]
+        fn what_is_grown_keeps_the_distance_and_little_more(wavy in wavy(), by in 0.1..3.0f64) {
+            let grown = grown(&wavy, by);
+            prop_assert!((grown[0].x0 + by).abs() < 1e-9);
+            for k in 0..=40 {
+                let x = -by + (wavy.len() as f64 + 2.0 * by) * (0.0125 + 0.025 * f64::from(k));
+                if x >= wavy.len() as f64 + by - 1e-6 {
+                    continue;
+                }
+                let p = P2::new(x, at(&grown, x));
+                let distance = wavy.iter().map(|w| distance_to_segment(p, w.start(), w.end())).fold(f64::INFINITY, f64::min);
+                prop_assert!(distance >= by - 1e-9, "{distance} < {by} at {x}");
+            }
+        }
+
+        #[test]
+        fn a_rise_is_the_most_of_many_samples(top in wavy(), bottom in wavy(), dx in -5.0..5.0f64) {
+            let (from, to) = (dx.max(0.0), ((top.len()) as f64).min(bottom.len() as f64 + dx));
+            if to - from > 0.1 {
+                let most = rise(&top, &bottom, dx, from, to);
+                let sampled = (0..=500)
+                    .map(|k| from + (to - from) * f64::from(k) / 500.0)
+                    .map(|x| at(&top, x) - at(&bottom, x - dx))
+                    .fold(f64::NEG_INFINITY, f64::max);
+                prop_assert!(most >= sampled - 1e-6 && most <= sampled + 1.0, "{most} {sampled}");
+            }
+        }
+    }
 }

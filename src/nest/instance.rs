@@ -270,17 +270,12 @@ fn item(given: &FileItem) -> Result<Item, InstanceError> {
         (None, Some(angles)) => angles.clone(),
         (None, None) => vec![0.0],
     };
-    let mirror = match &given.orientation {
-        Some(Orientation { reflection_axes, .. }) if !reflection_axes.is_empty() => {
-            // Turned over about an axis at a degrees is turned over about x, then turned by 2 a.
-            let plain = angles_deg.clone();
-            angles_deg.extend(reflection_axes.iter().flat_map(|a| plain.iter().map(move |b| (b + 2.0 * a) % 360.0)));
-            true
-        }
-        _ => false,
-    };
     angles_deg.sort_by(f64::total_cmp);
     angles_deg.dedup();
+    // Turned over about an axis at a degrees is turned over about x, then turned by 2 a: allowed here where that turn is allowed anyway.
+    let axes = given.orientation.as_ref().map_or(&[][..], |o| &o.reflection_axes);
+    let over = |a: &f64| angles_deg.iter().all(|b| angles_deg.contains(&((b + 2.0 * a) % 360.0)));
+    let mirror = axes.iter().any(over);
     let (polygon, _) = outline(&given.shape);
     Ok(Item { copies: given.demand, mirror, ..Item::new(given.id.to_string(), polygon, angles_deg) })
 }
@@ -325,4 +320,63 @@ fn container(bin: &FileBin) -> (Container, V2) {
         blocked,
     };
     (container, corner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SQUARE: &str = r#"{"type": "simple_polygon", "data": [[0, 0], [10, 0], [10, 10], [0, 10], [0, 0]]}"#;
+
+    fn parse(orientation: &str, stock: &str) -> Result<Instance, InstanceError> {
+        Instance::parse(&format!(
+            r#"{{"name": "n", "min_item_separation": 1.5, "items": [{{"id": 3, "demand": 2, {orientation} "shape": {SQUARE}}}], {stock}}}"#
+        ))
+    }
+
+    fn angles(orientation: &str) -> Vec<f64> {
+        parse(orientation, "\"strip_height\": 50").unwrap().items[0].angles_deg.clone()
+    }
+
+    #[test]
+    fn strips_are_read_in_both_forms_and_corners_are_not_repeated() {
+        let strip = parse(r#""allowed_orientations": [0, 180],"#, "\"strip_height\": 50").unwrap();
+        let item = &strip.items[0];
+        assert_eq!((item.name.as_str(), item.copies, item.polygon.len(), strip.spacing_mm), ("3", 2, 4, 1.5));
+        assert!(matches!(strip.containers[0], Container::Roll { width_mm: 50.0, max_length_mm, .. } if max_length_mm > 30.0));
+        let rotation = |rotation: &str| angles(&format!(r#""orientation": {{"rotation": {rotation}}},"#));
+        assert_eq!(rotation(r#"{"mode": "discrete", "angles": [0, 180]}"#), item.angles_deg);
+        assert_eq!(rotation(r#"{"mode": "stepped", "step": 90}"#), [0.0, 90.0, 180.0, 270.0]);
+        assert_eq!(rotation(r#"{"mode": "continuous"}"#).len(), 24);
+        assert_eq!(angles(""), [0.0]);
+        let error = parse(r#""orientation": {"rotation": {"mode": "stepped", "step": 0}},"#, "\"strip_height\": 50");
+        assert!(matches!(error, Err(InstanceError::Step { id: 3, .. })));
+        assert!(matches!(parse("", "\"x\": 1"), Err(InstanceError::Containers)));
+    }
+
+    #[test]
+    fn bins_elsewhere_than_at_the_origin_are_answered_in_their_own_coordinates() {
+        let shape = r#"{"type": "rectangle", "data": {"x_min": 100, "y_min": -5, "width": 40, "height": 20}}"#;
+        let bins = parse("", &format!(r#""bins": [{{"id": 0, "stock": 3, "cost": 2, "shape": {shape}}}]"#)).unwrap();
+        assert_eq!((bins.containers[0].size_mm(), bins.containers[0].count()), (V2::new(40.0, 20.0), Some(3)));
+        let layout = Layout { container: 0, width_mm: 40.0, height_mm: 20.0, placements: Vec::new(), density: 0.0 };
+        assert_eq!(bins.shift(&layout, V2::new(1.0, 1.0)), V2::new(101.0, -4.0));
+    }
+
+    #[test]
+    fn what_is_written_is_read_back() {
+        let polygon = vec![P2::new(0.0, 0.0), P2::new(30.0, 0.0), P2::new(30.0, 8.0)];
+        let item = Item { copies: 4, ..Item::new("0", polygon.clone(), vec![0.0, 180.0]) };
+        let mut stock = Container::sheet("bin 0", 200.0, 100.0, Some(2));
+        let same = |stock: &Container| {
+            let written = Instance::new("n", &[item.clone()], std::slice::from_ref(stock), 2.0);
+            Instance::parse(&written.to_json().unwrap()).unwrap() == written
+        };
+        assert!(same(&stock));
+        if let Container::Sheet { outline, blocked, .. } = &mut stock {
+            *outline = [[0.0, 0.0], [200.0, 0.0], [200.0, 100.0]].map(|[x, y]| P2::new(x, y)).to_vec();
+            blocked.push(polygon.clone());
+        }
+        assert!(same(&stock));
+    }
 }

@@ -52,7 +52,8 @@ fn waves_lie_in_each_other_where_boxes_would_not() {
     // Boxes of 80 mm; a wave 40 mm wide follows the next at little more than its width.
     let items: Vec<Item> =
         (0..4).map(|i| Item::new(format!("A{i}"), wave(300.0, 40.0, 20.0, 2.0, (0.0, 0.0)), vec![0.0, 180.0])).collect();
-    let stock = [sheet("S", 320.0, 40.0 + 4.0 * 42.0 + 10.0, None)];
+    // Where waves are steepest, 2 mm of spacing are 2.6 mm of height.
+    let stock = [sheet("S", 320.0, 12.0 + 80.0 + 3.0 * 43.0, None)];
     assert_eq!(place(&items, &stock).unwrap().layouts.len(), 1);
 }
 
@@ -187,10 +188,10 @@ fn a_stopped_search_still_returns_a_complete_layout() {
             ControlFlow::Break(())
         }
     }
-    let items = [bar("A1", 100.0, 20.0, &[0.0]), bar("A2", 80.0, 20.0, &[0.0])];
-    let layouts = nest(&items, &[roll(30.0, 1000.0)], &SETTINGS, &mut Stop).unwrap();
+    let items = [Item { copies: 5, ..Item::new("A", wave(100.0, 15.0, 8.0, 1.5, (0.0, 0.0)), vec![0.0, 180.0]) }];
+    let layouts = nest(&items, &[roll(70.0, 1000.0)], &SETTINGS, &mut Stop).unwrap();
     assert!(layouts.stopped_early);
-    assert_eq!(layouts.layouts[0].placements.len(), 2);
+    assert_eq!(layouts.layouts[0].placements.len(), 5);
 }
 
 #[test]
