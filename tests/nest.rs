@@ -7,8 +7,7 @@ use std::process::{Command, Stdio};
 
 fn run(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_furbelow"));
-    let output =
-        command.current_dir(folder).arg("nest").args(arguments).stdin(Stdio::null()).output().expect("runs");
+    let output = command.current_dir(folder).arg("nest").args(arguments).stdin(Stdio::null()).output().expect("runs");
     let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
     (output.status.code().expect("ended by itself"), text(output.stdout), text(output.stderr))
 }
@@ -105,10 +104,14 @@ fn anyones_outlines_are_placed_on_sheets_and_offcuts_and_drawn() {
     };
     let write = |name: &str, text: String| std::fs::write(folder.path().join(name), text).expect("written");
     write("tag.svg", svg(60, 30, "<rect width=\"60\" height=\"30\"/><circle cx=\"10\" cy=\"10\" r=\"3\"/>"));
-    write("two.svg", svg(99, 60, "<path d=\"M0 0 H90 V20 H20 V50 H0 Z\"/><rect x=\"40\" y=\"30\" width=\"50\" height=\"20\"/>"));
+    write(
+        "two.svg",
+        svg(99, 60, "<path d=\"M0 0 H90 V20 H20 V50 H0 Z\"/><rect x=\"40\" y=\"30\" width=\"50\" height=\"20\"/>"),
+    );
     // An offcut whose upper left is gone, with a hole.
     write("rest.svg", svg(120, 80, "<path d=\"M40 0 H120 V80 H0 V40 Z\"/><circle cx=\"100\" cy=\"60\" r=\"8\"/>"));
-    let arguments = ["tag.svg", "two.svg", "--offcut", "rest.svg", "--sheet", "200x150", "--copies", "2", "--effort", "2000"];
+    let arguments =
+        ["tag.svg", "two.svg", "--offcut", "rest.svg", "--sheet", "200x150", "--copies", "2", "--effort", "2000"];
     let with = |more: &[&'static str]| [&arguments[..], more].concat();
     let (code, out, err) = run(folder.path(), &with(&["--json", "--out", "nested"]));
     assert_eq!((code, err.as_str()), (0, ""));

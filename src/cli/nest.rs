@@ -142,14 +142,17 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let files = match &args.out {
         Some(folder) => {
             let (items, containers, shapes) = (&job.items, &job.containers, &job.shapes);
-            let nested =
-                Nested { name: &job.name, items, containers, settings: &settings, layouts: &layouts, shapes };
+            let nested = Nested { name: &job.name, items, containers, settings: &settings, layouts: &layouts, shapes };
             job::write_nested(folder, &nested)?
         }
         None => Vec::new(),
     };
     let answer = answer(&job, &layouts, began.elapsed().as_secs_f64());
-    if args.json { output::json(&answer)? } else { tell(args, &job, &layouts, &answer, &files)? }
+    if args.json {
+        output::json(&answer)?
+    } else {
+        tell(args, &job, &layouts, &answer, &files)?
+    }
     match layouts.unplaced.is_empty() {
         true => Ok(()),
         false => Err(refused(nest::Error::Unplaced(layouts.unplaced))),
@@ -163,13 +166,14 @@ fn refused(error: nest::Error) -> Failure {
 }
 
 fn job(args: &Args) -> Result<Job, Failure> {
-    let is_instance = |file: &PathBuf| {
-        file.as_os_str() == "-" || file.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"))
-    };
+    let is_instance =
+        |file: &PathBuf| file.as_os_str() == "-" || file.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
     let mut job = match args.files.as_slice() {
         [one] if is_instance(one) => instance(one)?,
         many if many.iter().any(is_instance) => {
-            return Err(Failure::config("an instance (.json) is nested by itself; give it alone, or outlines (.svg) only"));
+            return Err(Failure::config(
+                "an instance (.json) is nested by itself; give it alone, or outlines (.svg) only",
+            ));
         }
         many => outlines(many)?,
     };
@@ -249,7 +253,8 @@ fn stem(file: &Path) -> String {
 
 /// `600x400`, `600x400@3`, `600x400@3:0.5`.
 fn sheet(text: &str) -> Result<Container, Failure> {
-    let no_sheet = || Failure::config(format!("--sheet {text}: give width x height in mm, 600x400, 600x400@3 or 600x400@3:0.5"));
+    let no_sheet =
+        || Failure::config(format!("--sheet {text}: give width x height in mm, 600x400, 600x400@3 or 600x400@3:0.5"));
     let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
     let (rest, own_cost) = match text.split_once(':') {
         Some((rest, cost)) => (rest, Some(cost.trim().parse::<f64>().ok().filter(|c| *c >= 0.0).ok_or_else(no_sheet)?)),

@@ -100,8 +100,7 @@ pub fn write_nested(folder: &Path, nested: &Nested) -> Result<Vec<PathBuf>, Erro
         let rest = offcuts::offcut(nested.items, nested.containers, layout, nested.settings);
         files.extend(rest.map(|rest| offcuts::file(&name, &rest)));
     }
-    let instance =
-        Instance::new(nested.name, nested.items, nested.containers, nested.settings.spacing_mm);
+    let instance = Instance::new(nested.name, nested.items, nested.containers, nested.settings.spacing_mm);
     let json = |what: &str, text: Result<String, serde_json::Error>| {
         text.map(|text| (what.to_owned(), text)).map_err(|source| Error::Json { file: what.to_owned(), source })
     };

@@ -8,12 +8,7 @@ use crate::nest::{self, Container, Item, Layout, Settings};
 const MIN_SIDE_MM: f64 = 40.0;
 
 /// The largest rectangle left of a sheet, if it is worth keeping. What is left of a roll stays on the roll.
-pub(super) fn offcut(
-    items: &[Item],
-    containers: &[Container],
-    layout: &Layout,
-    settings: &Settings,
-) -> Option<Rect> {
+pub(super) fn offcut(items: &[Item], containers: &[Container], layout: &Layout, settings: &Settings) -> Option<Rect> {
     let is_sheet = matches!(containers.get(layout.container)?, Container::Sheet { .. });
     let rest = nest::offcut(items, containers, layout, settings).filter(|_| is_sheet)?;
     (rest.width().min(rest.height()) >= MIN_SIDE_MM).then_some(rest)

@@ -111,7 +111,17 @@ fn program(
     if setup.by_hand() {
         let time_s = 60.0 * toolpath.cut_mm() / setup.pairing.cut.feed_mm_per_min;
         let (program, moves) = (Program::default(), Vec::new());
-        return Ok(CutSheet { stock: stock.to_owned(), file, layout, drawings, toolpath, program, moves, time_s, offcut: None });
+        return Ok(CutSheet {
+            stock: stock.to_owned(),
+            file,
+            layout,
+            drawings,
+            toolpath,
+            program,
+            moves,
+            time_s,
+            offcut: None,
+        });
     }
     let write = |header: &Header| {
         gcode::emit(&toolpath, header, &setup.dialect()).map_err(|source| Error::Gcode { sheet: sheet(), source })

@@ -123,7 +123,8 @@ mod tests {
     fn a_wave_is_one_band_and_a_fork_three() {
         let wave = polygon(&[(0.0, 0.0), (5.0, 8.0), (10.0, 0.0), (10.0, 2.0), (5.0, 10.0), (0.0, 2.0)]);
         assert_eq!(bands(&[wave]).len(), 1);
-        let fork = polygon(&[(0.0, 0.0), (9.0, 0.0), (9.0, 2.0), (4.0, 2.0), (4.0, 4.0), (9.0, 4.0), (9.0, 6.0), (0.0, 6.0)]);
+        let fork =
+            polygon(&[(0.0, 0.0), (9.0, 0.0), (9.0, 2.0), (4.0, 2.0), (4.0, 4.0), (9.0, 4.0), (9.0, 6.0), (0.0, 6.0)]);
         let bands = bands(&[fork]);
         assert_eq!(bands.len(), 3);
         assert!((bands.iter().map(area).sum::<f64>() - 44.0).abs() < 1e-12);

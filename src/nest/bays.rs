@@ -39,7 +39,8 @@ impl Grounds {
             let size = container.size_mm() - 2.0 * offset;
             let (outline, blocked) = container.flaws();
             let mut area = size.x.max(0.0) * size.y.max(0.0);
-            let mut shapes: Vec<Shape> = blocked.iter().map(|b| Shape::new(&[b.clone()], within, half)).collect();
+            let mut shapes: Vec<Shape> =
+                blocked.iter().map(|b| Shape::new(std::slice::from_ref(b), within, half)).collect();
             area -= blocked.iter().map(|b| signed_area(b).abs()).sum::<f64>();
             if !outline.is_empty() {
                 area = area.min(signed_area(outline).abs());

@@ -52,7 +52,10 @@ pub(super) fn flipped(chain: &[Piece]) -> Vec<Piece> {
 
 /// Lowest and highest point.
 pub(super) fn range(chain: &[Piece]) -> (f64, f64) {
-    chain.iter().flat_map(|p| [p.y0, p.y(p.x1)]).fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), y| (lo.min(y), hi.max(y)))
+    chain
+        .iter()
+        .flat_map(|p| [p.y0, p.y(p.x1)])
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), y| (lo.min(y), hi.max(y)))
 }
 
 /// An upper border with fewer pieces that lies at most `within` above this one and nowhere below. Straight runs stay exactly as they are,

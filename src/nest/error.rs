@@ -43,7 +43,9 @@ pub enum Error {
         flaw: &'static str,
     },
     /// An item lies over a border that is no rectangle, over a hole, a defect or a clamp.
-    #[error("item {item:?} on layout {layout} comes within {distance_mm:.6} mm of {what} of {container:?}; {limit_mm} mm are asked for")]
+    #[error(
+        "item {item:?} on layout {layout} comes within {distance_mm:.6} mm of {what} of {container:?}; {limit_mm} mm are asked for"
+    )]
     Blocked {
         /// Name of the item.
         item: String,

@@ -12,7 +12,9 @@ const FREE_STEP_DEG: f64 = 15.0;
 #[derive(Debug, thiserror::Error)]
 pub enum InstanceError {
     /// Not JSON, or not of this form.
-    #[error("no nesting instance (jagua-rs JSON: items with id, demand, orientation and shape; strip_height or bins): {0}")]
+    #[error(
+        "no nesting instance (jagua-rs JSON: items with id, demand, orientation and shape; strip_height or bins): {0}"
+    )]
     Json(#[from] serde_json::Error),
     /// Neither a strip nor bins, or both.
     #[error("an instance needs either strip_height or bins")]
@@ -84,10 +86,19 @@ enum Rotation {
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(tag = "type", content = "data", rename_all = "snake_case")]
 enum Shape {
-    Rectangle { x_min: f64, y_min: f64, width: f64, height: f64 },
+    Rectangle {
+        x_min: f64,
+        y_min: f64,
+        width: f64,
+        height: f64,
+    },
     SimplePolygon(Vec<[f64; 2]>),
     /// Holes in items are not used for placing; those in bins are blocked.
-    Polygon { outer: Vec<[f64; 2]>, #[serde(default)] inner: Vec<Vec<[f64; 2]>> },
+    Polygon {
+        outer: Vec<[f64; 2]>,
+        #[serde(default)]
+        inner: Vec<Vec<[f64; 2]>>,
+    },
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -343,7 +354,9 @@ mod tests {
         let strip = parse(r#""allowed_orientations": [0, 180],"#, "\"strip_height\": 50").unwrap();
         let item = &strip.items[0];
         assert_eq!((item.name.as_str(), item.copies, item.polygon.len(), strip.spacing_mm), ("3", 2, 4, 1.5));
-        assert!(matches!(strip.containers[0], Container::Roll { width_mm: 50.0, max_length_mm, .. } if max_length_mm > 30.0));
+        assert!(
+            matches!(strip.containers[0], Container::Roll { width_mm: 50.0, max_length_mm, .. } if max_length_mm > 30.0)
+        );
         let rotation = |rotation: &str| angles(&format!(r#""orientation": {{"rotation": {rotation}}},"#));
         assert_eq!(rotation(r#"{"mode": "discrete", "angles": [0, 180]}"#), item.angles_deg);
         assert_eq!(rotation(r#"{"mode": "stepped", "step": 90}"#), [0.0, 90.0, 180.0, 270.0]);

@@ -1,7 +1,7 @@
 //! What is left of a sheet.
 
-use super::item::flaw;
 use super::empty::Empty;
+use super::item::flaw;
 use super::{Container, Item, Layout, Settings};
 use crate::geom::{P2, Rect, V2};
 

@@ -15,7 +15,9 @@ pub(super) fn leftmost(scene: &mut Scene, look: &mut Look, body: usize, bay: usi
         let Some((end, _)) = scene.bays[bay].reach(scene.shape(body, turn)) else { continue };
         let mut xs = vec![0.0, end];
         for other in (0..scene.bodies.len()).filter(|o| scene.poses[*o].bay == bay && *o != body) {
-            xs.extend([scene.right(other), scene.poses[other].x - width].into_iter().filter(|x| (0.0..=end).contains(x)));
+            xs.extend(
+                [scene.right(other), scene.poses[other].x - width].into_iter().filter(|x| (0.0..=end).contains(x)),
+            );
         }
         xs.sort_by(f64::total_cmp);
         xs.dedup();

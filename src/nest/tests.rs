@@ -50,8 +50,9 @@ fn strips_fill_a_sheet_to_the_last_millimetre() {
 #[test]
 fn waves_lie_in_each_other_where_boxes_would_not() {
     // Boxes of 80 mm; a wave 40 mm wide follows the next at little more than its width.
-    let items: Vec<Item> =
-        (0..4).map(|i| Item::new(format!("A{i}"), wave(300.0, 40.0, 20.0, 2.0, (0.0, 0.0)), vec![0.0, 180.0])).collect();
+    let items: Vec<Item> = (0..4)
+        .map(|i| Item::new(format!("A{i}"), wave(300.0, 40.0, 20.0, 2.0, (0.0, 0.0)), vec![0.0, 180.0]))
+        .collect();
     // Where waves are steepest, 2 mm of spacing are 2.6 mm of height.
     let stock = [sheet("S", 320.0, 12.0 + 80.0 + 3.0 * 43.0, None)];
     assert_eq!(place(&items, &stock).unwrap().layouts.len(), 1);
@@ -128,9 +129,7 @@ fn clamps_holes_and_borders_are_kept_clear_of() {
         [Container::Sheet { name, width_mm, height_mm, count: Some(1), cost: 1.0, outline, blocked }]
     };
     let items = [bar("A", 200.0, 20.0, &[0.0])];
-    let y = |stock: &[Container]| {
-        place(&items, stock).unwrap().layouts.first().map(|l| l.placements[0].shift.y)
-    };
+    let y = |stock: &[Container]| place(&items, stock).unwrap().layouts.first().map(|l| l.placements[0].shift.y);
     assert_eq!(y(&clamped(&[], &[])), Some(6.0));
     // The clamp ends at 20, two below the bar.
     assert!((y(&clamped(&[(90.0, 0.0), (120.0, 0.0), (120.0, 20.0), (90.0, 20.0)], &[])).unwrap() - 22.0).abs() < 1e-6);
