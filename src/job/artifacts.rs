@@ -68,8 +68,11 @@ pub(super) fn write(
             let (file, svg) = offcuts::file(&sheet.file, rest);
             stage.write(&file, svg.as_bytes())?;
         }
+        if let Some(pen) = &sheet.pen {
+            stage.write(&format!("pen/{}.{}", sheet.file, sheet.ending), pen.as_bytes())?;
+        }
         if !setup.by_hand() {
-            stage.write(&name("nc"), sheet.program.to_string().as_bytes())?;
+            stage.write(&name(sheet.ending), sheet.text.as_bytes())?;
             png(stage, &name("png"), &pictures::sheet(sheet, run, setup), pictures::SHEET_PX)?;
         }
     }

@@ -4,6 +4,7 @@ use std::io::BufRead;
 
 use crate::config::Machine;
 use crate::gcode::{Program, read_lines};
+use crate::geom::{Motion, V2};
 use crate::progress::Warning;
 
 /// A head longer than this many lines is none: that of ours has a dozen.
@@ -18,6 +19,8 @@ pub struct Label {
     pub material: Option<String>,
     /// What it is cut from.
     pub sheet: Option<SheetLabel>,
+    /// How the sheet lies on the machine: from its frame to the work frame; `None` when its lower left corner lies at work zero.
+    pub lies: Option<Motion>,
     /// How the grain must lie: "along X"; `None` where the material has none.
     pub grain: Option<String>,
     /// Why its values are not to be trusted on its machine; `None` when they were measured there.
@@ -73,6 +76,10 @@ impl Label {
             "material" => &mut self.material,
             "grain" => &mut self.grain,
             "UNCALIBRATED" => &mut self.uncalibrated,
+            "sheet lies" => {
+                self.lies = self.lies.or_else(|| read_motion(value.trim()));
+                return;
+            }
             "sheet" => {
                 self.sheet = self.sheet.take().or_else(|| SheetLabel::parse(value.trim()));
                 return;
@@ -138,6 +145,20 @@ impl std::fmt::Display for SheetLabel {
     }
 }
 
+/// How a program says where its sheet lies: "X-297 Y0 turned 90".
+pub(super) fn motion_told(motion: &Motion) -> Option<String> {
+    let (shift, turn) = (motion.translation.vector, motion.rotation.angle().to_degrees());
+    let plain = shift.norm() < 1e-6 && turn.abs() < 1e-6;
+    (!plain).then(|| format!("X{:.3} Y{:.3} turned {turn:.0}", shift.x + 0.0, shift.y + 0.0))
+}
+
+fn read_motion(text: &str) -> Option<Motion> {
+    let (place, turn) = text.split_once(" turned ")?;
+    let (x, y) = place.strip_prefix('X')?.split_once(" Y")?;
+    let number = |text: &str| text.parse::<f64>().ok().filter(|v| v.is_finite());
+    Some(Motion::new(V2::new(number(x)?, number(y)?), number(turn)?.to_radians()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -153,6 +174,17 @@ mod tests {
         assert_eq!(label.sheet.unwrap().to_string(), "1/2 A4 297 x 210 mm");
         assert_eq!(Label::read("G0X1\n; machine: k40".as_bytes()).unwrap(), Label::default());
         assert_eq!(Label::read("(by hand)\n".as_bytes()).unwrap(), Label::default());
+    }
+
+    #[test]
+    fn where_a_sheet_lies_is_told_and_read_back() {
+        let turned = Motion::new(V2::new(570.0, 0.0), std::f64::consts::FRAC_PI_2);
+        let told = motion_told(&turned).unwrap();
+        assert_eq!(told, "X570.000 Y0.000 turned 90");
+        let read = Label::read(format!("; sheet lies: {told}\n").as_bytes()).unwrap().lies.unwrap();
+        let p = crate::geom::P2::new(10.0, 0.0);
+        assert!((read * p - turned * p).norm() < 1e-9);
+        assert_eq!(motion_told(&Motion::identity()), None);
     }
 
     #[test]

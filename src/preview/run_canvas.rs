@@ -23,7 +23,11 @@ const MAX_CHORDS: usize = 2000;
 pub fn run_canvas(run: &Run, bed: &Bed, by: ColorBy) -> Canvas {
     let values = by.values(run, bed);
     let scale = by.scale(std::slice::from_ref(run), bed);
-    let mut pens = vec![Pen { name: "laser off".into(), colour: Colour::GREY, ..MoveKind::Travel.pen() }];
+    let mut pens = vec![Pen {
+        name: if bed.laser { "laser off" } else { "tool up" }.into(),
+        colour: Colour::GREY,
+        ..MoveKind::Travel.pen()
+    }];
     pens.extend(cut_pens(by, &scale, bed));
     let moving = run.moves.iter().zip(values).filter(|(m, _)| m.length_mm() > 0.0);
     let moves: Vec<SheetMove> = moving
