@@ -18,7 +18,7 @@
 //!  design     TOML                       Design: what the user decided               config cut ruffle
 //!  strip      Part                       Pieces with flaps, slits, splices, labels   drawing cut ruffle extrude sim fit
 //!  drawing    (a value)                  paths with role, kerf side, piece; SVG, DXF -
-//!  nest       polygons, containers       Layouts                                     -
+//!  nest       polygons, containers       Layouts: sheets, offcuts, a roll             -
 //!  toolpath   placed drawings, process   Toolpath: kerf, bridges, order, blade       drawing nest
 //!  gcode      Toolpath                   Program, plot; parse, trace, planner, check toolpath
 //!  preview    parts, moves               pictures: SVG, PNG; a page that plays them  drawing nest gcode cut ruffle extrude sim fit

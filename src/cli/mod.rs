@@ -19,6 +19,7 @@ mod jog_keys;
 mod machine;
 mod machine_probe;
 mod make;
+mod nest;
 mod order;
 mod output;
 mod ports;
@@ -49,6 +50,8 @@ pub struct Cli {
 pub enum Command {
     /// Turn a shape into sheets of pieces: drawings, G-code and pictures
     Make(make::Args),
+    /// Place outlines, anyone's, close together on sheets, offcuts or a roll
+    Nest(nest::Args),
     /// Design files: make one, look at its parts, change how dense they are
     #[command(subcommand)]
     Design(design::Command),
@@ -86,6 +89,7 @@ impl Command {
     pub fn run(self) -> Result<(), Failure> {
         match self {
             Command::Make(args) => make::run(args),
+            Command::Nest(args) => nest::run(&args),
             Command::Design(command) => design::run(command),
             Command::Check(args) => check::run(&args),
             Command::Preview(args) => preview::run(args),

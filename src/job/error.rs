@@ -118,6 +118,22 @@ pub enum Error {
         /// Where and why.
         source: crate::drawing::Error,
     },
+    /// A drawing of an offcut that shows none, or several.
+    #[error("{file}: {outlines} outlines; an offcut is one closed outline, with holes and blocked places inside it")]
+    Offcut {
+        /// The file.
+        file: String,
+        /// Outermost outlines found.
+        outlines: usize,
+    },
+    /// A value cannot be written as JSON.
+    #[error("{file}: {source}")]
+    Json {
+        /// The file.
+        file: String,
+        /// Why.
+        source: serde_json::Error,
+    },
     /// A file is no G-code.
     #[error("{file}: {source}")]
     Parse {

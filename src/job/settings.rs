@@ -19,6 +19,10 @@ const PERFORATED_LABEL_MM: f64 = 6.0;
 /// Pieces keep this far from the edge of stock that goes through a printer, mm: what [`crate::assembly::patterns`] needs to put a full A4 sheet on one page.
 const PRINT_MARGIN_MM: f64 = 13.0;
 
+/// How long `make` nests: a few tenths of a second for the pieces of an object. `furbelow nest` goes on as long as is wanted.
+const NEST_EFFORT: u64 = 25_000;
+const NEST_SEED: u64 = 1;
+
 /// Machine, material and how they go together.
 #[derive(Debug, Clone)]
 pub struct Setup {
@@ -294,7 +298,8 @@ impl Setup {
     pub fn nest(&self) -> nest::Settings {
         // The cut itself needs room, however close the user wants the pieces.
         let kerf = self.pairing.cut.kerf_mm;
-        nest::Settings { spacing_mm: self.profile.spacing_mm.max(kerf), margin_mm: self.margin_mm().max(0.5 * kerf) }
+        let (spacing_mm, margin_mm) = (self.profile.spacing_mm.max(kerf), self.margin_mm().max(0.5 * kerf));
+        nest::Settings { spacing_mm, margin_mm, effort: NEST_EFFORT, seed: NEST_SEED }
     }
 
     /// Turns a piece may take on a sheet whose grain runs along x, degrees.

@@ -4,12 +4,13 @@ use super::program::{self, Written};
 use super::settings::Setup;
 use super::stock;
 use super::strips::Strips;
-use super::{Error, Order, SheetLabel};
+use super::{Error, Order, SheetLabel, offcuts};
 use crate::drawing::{Drawing, DrawnPath, KerfSide, Role, text_paths};
 use crate::gcode::{Header, Move};
-use crate::geom::{Motion, V2, tolerance};
+use crate::geom::{Motion, Rect, V2, tolerance};
 use crate::nest::{self, Container, Item, Layout};
 use crate::progress::{Observer, Warning};
+use crate::strip::Piece;
 use crate::toolpath::{self, Toolpath};
 
 /// Where a set's name stands on the scrap: this far from the left edge, mm, beside the first alignment cross.
@@ -41,6 +42,8 @@ pub(super) struct CutSheet {
     pub moves: Vec<Move>,
     /// Planned time, s.
     pub time_s: f64,
+    /// The largest rectangle that is left, where it is worth keeping; sheet frame.
+    pub offcut: Option<Rect>,
 }
 
 /// All sheets.
@@ -60,18 +63,13 @@ pub(super) fn sheets(
     order: &Order,
     observer: &mut dyn Observer,
 ) -> Result<Sheets, Error> {
-    let items: Vec<Item> = strips
-        .pieces
-        .iter()
-        .map(|piece| Item {
-            name: piece.name.clone(),
-            polygon: piece.drawing.outline().map_or_else(Vec::new, |path| path.flatten(tolerance::FLATTEN_MM)),
-            angles_deg: setup.angles_deg(),
-        })
-        .collect();
+    let items = items(strips, setup);
     let sets = order.batch.copies.max(order.batch.names.len()).max(1);
     let containers: Vec<_> = strips.stock.iter().map(|sheet| shared(stock::container(sheet, setup), sets)).collect();
-    let layouts = nest::nest(&items, &containers, &setup.nest(), observer)?;
+    let mut layouts = nest::nest(&items, &containers, &setup.nest(), observer)?;
+    if !layouts.unplaced.is_empty() {
+        return Err(nest::Error::Unplaced(std::mem::take(&mut layouts.unplaced)).into());
+    }
     let count = layouts.layouts.len() * sets;
     let used: Vec<_> = layouts.layouts.iter().map(|l| &strips.stock[l.container]).collect();
     let cut_from: Vec<_> = strips.stock.iter().filter(|sheet| used.contains(sheet)).collect();
@@ -85,7 +83,8 @@ pub(super) fn sheets(
             drawings.extend(name.as_deref().and_then(|name| lettered(name, setup)));
             let number = sheets.len() + 1;
             let place = Place { number, count, stock: &stock.name, set: name.as_deref() };
-            sheets.push(cut_sheet(place, layout.clone(), drawings, setup, order)?);
+            let offcut = offcuts::offcut(&items, &containers, layout, &setup.nest());
+            sheets.push(CutSheet { offcut, ..cut_sheet(place, layout.clone(), drawings, setup, order)? });
         }
     }
     for warning in sheets.iter().flat_map(|sheet| &sheet.toolpath.warnings) {
@@ -96,11 +95,24 @@ pub(super) fn sheets(
     Ok(Sheets { sheets, warnings })
 }
 
+/// The outlines of all pieces; those of one part are kept together.
+fn items(strips: &Strips, setup: &Setup) -> Vec<Item> {
+    let mut parts: Vec<&str> = strips.pieces.iter().map(|piece| piece.part.as_str()).collect();
+    parts.sort_unstable();
+    parts.dedup();
+    let item = |piece: &Piece| {
+        let polygon = piece.drawing.outline().map_or_else(Vec::new, |path| path.flatten(tolerance::FLATTEN_MM));
+        let set = parts.binary_search(&piece.part.as_str()).ok().map(|part| part as u32);
+        Item { set, ..Item::new(piece.name.clone(), polygon, setup.angles_deg()) }
+    };
+    strips.pieces.iter().map(item).collect()
+}
+
 /// What one set may take of a stock that is shared by all.
 fn shared(container: Container, sets: usize) -> Container {
     match container {
-        Container::Sheet { name, width_mm, height_mm, count: Some(count) } => {
-            Container::Sheet { name, width_mm, height_mm, count: Some(count / sets as u32) }
+        Container::Sheet { name, width_mm, height_mm, count: Some(count), .. } => {
+            Container::sheet(name, width_mm, height_mm, Some(count / sets as u32))
         }
         other => other,
     }
@@ -151,7 +163,19 @@ fn cut_sheet(
         let toolpath = program::planned(&file, &drawings, size_mm, &settings)?;
         let time_s = 60.0 * toolpath.cut_mm() / setup.pairing.cut.feed_mm_per_min;
         let (stock, text, pen, moves) = (place.stock.to_owned(), String::new(), None, Vec::new());
-        return Ok(CutSheet { stock, file, ending: "svg", layout, drawings, toolpath, text, pen, moves, time_s });
+        return Ok(CutSheet {
+            stock,
+            file,
+            ending: "svg",
+            layout,
+            drawings,
+            toolpath,
+            text,
+            pen,
+            moves,
+            time_s,
+            offcut: None,
+        });
     }
     let (pen, program) = match setup.drawing(start) {
         Some(drawing) => (Some(written(&drawings, &drawing)?.text), written(&drawings, &settings)?),
@@ -159,7 +183,19 @@ fn cut_sheet(
     };
     let Written { toolpath, text, moves, time_s } = program;
     let ending = if setup.plots() { "plt" } else { "nc" };
-    Ok(CutSheet { stock: place.stock.to_owned(), file, ending, layout, drawings, toolpath, text, pen, moves, time_s })
+    Ok(CutSheet {
+        stock: place.stock.to_owned(),
+        file,
+        ending,
+        layout,
+        drawings,
+        toolpath,
+        text,
+        pen,
+        moves,
+        time_s,
+        offcut: None,
+    })
 }
 
 fn header(

@@ -162,12 +162,8 @@ pub(super) fn container(sheet: &Sheet, setup: &Setup) -> Container {
         ),
         false => sheet.name.clone(),
     };
-    Container::Sheet {
-        name,
-        width_mm: sheet.width_mm.min(reach.width()),
-        height_mm: sheet.height_mm.min(reach.height()),
-        count: sheet.count,
-    }
+    let (width_mm, height_mm) = (sheet.width_mm.min(reach.width()), sheet.height_mm.min(reach.height()));
+    Container::sheet(name, width_mm, height_mm, sheet.count)
 }
 
 /// A piece that exactly fills a container does not go in: placing allows for rounding. Pieces are made this much shorter, mm.
