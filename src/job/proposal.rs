@@ -1,17 +1,27 @@
 //! What to do where one ruffle does not reach: a split at the narrowest place, as the command that makes it.
 
+use crate::cut::Outline;
 use crate::design::{Design, Edit};
 use crate::fit::{Part, largest_gap, neck};
-use crate::geom::P3;
+use crate::geom::{P2, P3, Rect, signed_area};
 use crate::progress::Warning;
 
 /// More than this share of an outline left empty is worth a word.
 const EMPTY_SHARE: f64 = 0.15;
 
-/// Says what of a part's outline stays empty, and where, and proposes a split where the outline has a neck.
+/// More than this share of it sticking out, over a hole.
+const BRIDGED_SHARE: f64 = 0.1;
+
+/// Says what of a part's outline stays empty, and where, or that the strip goes across a hole; and proposes a split where the outline has a neck, or through the
+/// hole.
 pub(super) fn emptiness(design: &Design, part: &Part) -> Option<Warning> {
-    let empty = part.report.uncovered_fraction;
-    let gap = (empty > EMPTY_SHARE).then(|| largest_gap(part)).flatten()?;
+    let (empty, hole) = (part.report.uncovered_fraction, largest_hole(&part.outline));
+    let Some(gap) = (empty > EMPTY_SHARE).then(|| largest_gap(part)).flatten() else {
+        let middle = hole.filter(|_| part.report.protruding_fraction > BRIDGED_SHARE)?;
+        let message = format!("the strip goes across a hole of the outline. {}", beside_hole(design, part, middle));
+        let place = format!("u {:.0}, v {:.0} mm", middle.x, middle.y);
+        return Some(Warning::new("hole-bridged", message).in_part(&part.name).at(place));
+    };
     let place = format!("u {:.0}, v {:.0} mm", gap.at.x, gap.at.y);
     let mut message = format!(
         "{:.0} % of the outline stays empty, {:.0} % of it here: one ruffle does not reach everywhere in this shape",
@@ -30,10 +40,24 @@ pub(super) fn emptiness(design: &Design, part: &Part) -> Option<Warning> {
             100.0 * neck.share,
             command(&split)
         );
+    } else if let Some(middle) = hole {
+        message += &format!(". {}", beside_hole(design, part, middle));
     } else {
         message += "; other layers, or a plane that shows another outline, may fill more";
     }
     Some(Warning::new("empty", message).in_part(&part.name).at(place))
+}
+
+/// The middle of the largest hole.
+fn largest_hole(outline: &Outline) -> Option<P2> {
+    let largest = outline.holes.iter().max_by(|a, b| signed_area(a).abs().total_cmp(&signed_area(b).abs()))?;
+    Some(Rect::around(largest).center())
+}
+
+/// The advice to part a shape to the left and right of a hole's middle: two bows are filled where a ring is not.
+fn beside_hole(design: &Design, part: &Part, middle: P2) -> String {
+    let split = split_edit(design, &part.name, part.frame.to_space(middle, 0.0), part.frame.u.into());
+    format!("A split through the hole gives each side a strip of its own: {}", command(&split))
 }
 
 /// The split of `part` through a point along the plane across `normal`, as it is written in the file: its new part, ahead of the plane, has a name that is free.
@@ -63,6 +87,16 @@ fn command(split: &Edit) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_several_holes_the_largest_is_split() {
+        let square = |at: f64, side: f64| {
+            [(0.0, 0.0), (0.0, side), (side, side), (side, 0.0)].map(|(x, y)| P2::new(at + x, at + y)).to_vec()
+        };
+        let outline = Outline { outer: square(0.0, 100.0), holes: vec![square(10.0, 5.0), square(40.0, 20.0)] };
+        assert_eq!(largest_hole(&outline), Some(P2::new(50.0, 50.0)));
+        assert_eq!(largest_hole(&Outline { holes: Vec::new(), ..outline }), None);
+    }
 
     #[test]
     fn what_is_proposed_takes_a_free_name_and_can_be_typed() {
