@@ -67,6 +67,7 @@ fn settings(curve_tolerance_mm: f64) -> Settings {
         cut_inner: process.clone(),
         cut_outline: process,
         curve_tolerance_mm,
+        trials: Vec::new(),
         bridges: None,
         held: true,
         lead_mm: 0.0,

@@ -23,6 +23,7 @@
 //!  gcode      Toolpath                   Program, plot; parse, trace, planner, check toolpath
 //!  preview    parts, moves               pictures: SVG, PNG; a page that plays them  drawing nest gcode cut ruffle extrude sim fit
 //!  assembly   parts, pieces, layouts     sheets of paper: what to do, step by step   mesh cut ruffle extrude sim fit strip nest drawing
+//!  calibrate  material, machine           test cards, and what their answers mean     drawing strip
 //!  emulator   bytes and time             bytes, and what the machine did             gcode
 //!  stream     Program, bytes, time       bytes, events: a board fed line by line      gcode emulator
 //!  config     TOML                       Machine, Profile, and how they pair         -
@@ -50,6 +51,7 @@
 #![warn(missing_docs)]
 
 pub mod assembly;
+pub mod calibrate;
 pub mod cli;
 pub mod config;
 pub mod cut;

@@ -326,6 +326,7 @@ proptest! {
             cut_inner: process.clone(),
             cut_outline: process,
             curve_tolerance_mm: 0.02,
+            trials: Vec::new(),
             bridges: bridged.then_some(Bridges { width_mm: 0.4, pitch_mm: 60.0, everywhere: false }),
             held: true,
             lead_mm: if blade { 0.0 } else { lead_mm },

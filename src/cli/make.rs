@@ -2,8 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
-
 use super::batch::BatchArgs;
 use super::order::Shape;
 use super::output;
@@ -22,9 +20,6 @@ pub struct Args {
     /// Folder to write into [default: out/ and the shape's name, or the design's own folder]
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Paper that assembly sheets and patterns are printed on
-    #[arg(long, default_value = "a4")]
-    paper: Paper,
     /// Replace a different design in that folder
     #[arg(long)]
     force: bool,
@@ -36,21 +31,11 @@ pub struct Args {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Paper {
-    A4,
-    Letter,
-}
-
 pub(super) fn run(args: Args) -> Result<(), Failure> {
     let mut order = args.shape.order()?;
     order.force = args.force;
     order.svg_kerf = args.svg_kerf;
     order.batch = args.batch.batch()?;
-    order.paper = match args.paper {
-        Paper::A4 => job::Paper::A4,
-        Paper::Letter => job::Paper::Letter,
-    };
     let out = args.out.unwrap_or_else(|| default_folder(&args.shape, &order.name));
     let mut screen = Screen::open()?;
     let made = job::make(&order, &Library::open(), &out, &mut screen);

@@ -4,6 +4,7 @@
 //! To add a command: a file with its `Args` and a `run`, a variant in [`Command`], an arm in [`Command::run`].
 
 mod batch;
+mod calibrate;
 mod check;
 mod completions;
 mod connection;
@@ -23,9 +24,11 @@ mod output;
 mod ports;
 mod preview;
 mod profile;
+mod profile_set;
 mod screen;
 mod send;
 mod talk;
+mod today;
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -68,9 +71,12 @@ pub enum Command {
     /// Cutters: list them, show one, check a file of your own, make one of what a board tells
     #[command(subcommand)]
     Machine(machine::Command),
-    /// Sheet materials: list them, show one, check a file of your own
+    /// Sheet materials: list them, show one, check a file of your own, set values
     #[command(subcommand)]
-    Profile(files::Command),
+    Profile(profile::Command),
+    /// Test cards: how strong to cut, how wide the kerf, how stiff the sheet
+    #[command(subcommand)]
+    Calibrate(calibrate::Command),
     /// Print a completion script for a shell
     Completions(completions::Args),
 }
@@ -91,6 +97,7 @@ impl Command {
             Command::Ports(args) => ports::run(&args),
             Command::Machine(command) => machine::run(command),
             Command::Profile(command) => profile::run(command),
+            Command::Calibrate(command) => calibrate::run(command),
             Command::Completions(args) => completions::run(args),
         }
     }

@@ -38,6 +38,9 @@ pub(super) struct Shape {
     /// How the bottom stands [default: auto, free where it stands by itself]
     #[arg(long)]
     foot: Option<Foot>,
+    /// Paper that assembly sheets and patterns are printed on [default: a4]
+    #[arg(long)]
+    paper: Option<Paper>,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -52,6 +55,12 @@ enum Foot {
     Auto,
     Free,
     Pinned,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Paper {
+    A4,
+    Letter,
 }
 
 impl Shape {
@@ -98,6 +107,10 @@ impl Shape {
                 Foot::Auto => design::Foot::Auto,
                 Foot::Free => design::Foot::Free,
                 Foot::Pinned => design::Foot::Pinned,
+            }),
+            paper: self.paper.map(|paper| match paper {
+                Paper::A4 => design::Paper::A4,
+                Paper::Letter => design::Paper::Letter,
             }),
         }
     }

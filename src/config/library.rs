@@ -149,6 +149,20 @@ impl Library {
         self.interpret(Found { key: file.to_owned(), file: file.to_owned(), text, folder: None, named: None })
     }
 
+    /// What messages call the file of that name or path, and its text, the user's before the built-in one. Errors: [`Error::Unknown`], [`Error::Read`].
+    pub(super) fn text(&self, kind: Kind, name_or_path: &str) -> Result<(String, String), Error> {
+        let found = self.find(kind, name_or_path, None, &[])?;
+        Ok((found.file, found.text))
+    }
+
+    /// The file of the user's that changes to `name_or_path` go to: that path, or NAME.toml in their own folder; `None` where there is no such folder.
+    pub fn own_file(&self, kind: Kind, name_or_path: &str) -> Option<PathBuf> {
+        if is_path(name_or_path) {
+            return Some(PathBuf::from(name_or_path));
+        }
+        self.folder(kind).map(|folder| folder.join(format!("{name_or_path}.toml")))
+    }
+
     fn load<T: Described>(&self, name: &str) -> Result<T, Error> {
         self.interpret(self.find(T::KIND, name, None, &[])?)
     }

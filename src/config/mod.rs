@@ -21,6 +21,7 @@ mod profile;
 mod profile_check;
 mod read;
 mod schema;
+mod set;
 mod source;
 mod tree;
 
@@ -37,6 +38,7 @@ pub use profile::{
     Air, Allowed, Blade, Bridges, Grain, ProcessKind, ProcessRow, Profile, Splice, Stock, StockGrain, Verdict,
 };
 pub use schema::schema;
+pub use set::Changes;
 pub use source::Problem;
 
 #[cfg(test)]

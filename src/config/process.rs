@@ -66,6 +66,15 @@ impl Machine {
     /// Errors: [`Error::Forbidden`] when the profile says never, [`Error::NoProcess`] when it has no row for the tool,
     /// [`Error::NeedsCalibration`] and [`Error::TooStrong`] when its values cannot be carried over.
     pub fn pair(&self, profile: &Profile) -> Result<Pairing, Error> {
+        self.pair_within(profile, RESCALE_FACTOR)
+    }
+
+    /// What to begin measuring with: as [`Machine::pair`], but the values of a laser of any power are carried over.
+    pub fn trial(&self, profile: &Profile) -> Result<Pairing, Error> {
+        self.pair_within(profile, f64::INFINITY)
+    }
+
+    fn pair_within(&self, profile: &Profile, factor: f64) -> Result<Pairing, Error> {
         if self.tool.class == ToolClass::Scissors {
             let cut = by_hand();
             return Ok(Pairing { engrave: Some(cut.clone()), cut, pen: None, warnings: Vec::new() });
@@ -87,22 +96,23 @@ impl Machine {
         let pen = self.tool.class == ToolClass::Pen;
         let cuts = if pen { ProcessKind::Engrave } else { ProcessKind::Cut };
         let row = nearest_row(self, profile, cuts).ok_or_else(|| no_process(self, profile))?;
-        let mut cut = carry_over(self, profile, row)?;
+        let mut cut = carry_over(self, profile, row, factor)?;
         if pen {
             // Nothing of a line needs measuring first.
             cut.calibrated = true;
             let message = format!("{} draws the lines and cuts nothing: cut by hand along them", self.name);
             warnings.push(Warning::new("drawn-only", message));
         }
-        let engrave = match nearest_row(self, profile, ProcessKind::Engrave).map(|row| carry_over(self, profile, row)) {
-            Some(Ok(engrave)) => Some(engrave),
-            // Labels can be written by hand: no reason to refuse the job.
-            Some(Err(error)) => {
-                warnings.push(Warning::new("no-engraving", format!("nothing will be engraved: {error}")));
-                None
-            }
-            None => None,
-        };
+        let engrave =
+            match nearest_row(self, profile, ProcessKind::Engrave).map(|row| carry_over(self, profile, row, factor)) {
+                Some(Ok(engrave)) => Some(engrave),
+                // Labels can be written by hand: no reason to refuse the job.
+                Some(Err(error)) => {
+                    warnings.push(Warning::new("no-engraving", format!("nothing will be engraved: {error}")));
+                    None
+                }
+                None => None,
+            };
         if !cut.calibrated {
             warnings.push(Warning::new(
                 "uncalibrated",
@@ -171,7 +181,11 @@ fn no_process(machine: &Machine, profile: &Profile) -> Error {
 }
 
 /// The row for this tool and operation: one measured on this machine, else the one whose power is nearest as a ratio. Of equals the first.
-fn nearest_row<'a>(machine: &Machine, profile: &'a Profile, operation: ProcessKind) -> Option<&'a ProcessRow> {
+pub(super) fn nearest_row<'a>(
+    machine: &Machine,
+    profile: &'a Profile,
+    operation: ProcessKind,
+) -> Option<&'a ProcessRow> {
     let distance = |row: &ProcessRow| match (row.reference_power_w, machine.tool.optical_power_w) {
         (Some(reference), Some(actual)) => (reference / actual).ln().abs(),
         _ => 0.0,
@@ -191,18 +205,18 @@ fn drawn(machine: &Machine, profile: &Profile) -> Result<Option<Process>, Error>
         return Ok(None);
     }
     let row = profile.process.iter().find(|r| r.tool == ToolClass::Pen && r.operation == ProcessKind::Engrave);
-    row.map(|row| carry_over(machine, profile, row)).transpose()
+    row.map(|row| carry_over(machine, profile, row, RESCALE_FACTOR)).transpose()
 }
 
 fn measured_here(machine: &Machine, row: &ProcessRow) -> bool {
     row.measured_on.as_deref() == Some(machine.name.as_str())
 }
 
-fn carry_over(machine: &Machine, profile: &Profile, row: &ProcessRow) -> Result<Process, Error> {
+fn carry_over(machine: &Machine, profile: &Profile, row: &ProcessRow, factor: f64) -> Result<Process, Error> {
     let limit = machine.max_feed_mm_per_min();
     let (feed_mm_per_min, power) = match (row.power, row.reference_power_w, machine.tool.optical_power_w) {
         (Some(power), Some(reference), Some(actual)) if row.tool.is_laser() => {
-            rescale(machine, profile, row, [power, reference, actual])?
+            rescale(machine, profile, row, [power, reference, actual], factor)?
         }
         _ => (row.feed_mm_per_min.min(limit), row.power.unwrap_or(0.0)),
     };
@@ -228,16 +242,17 @@ fn carry_over(machine: &Machine, profile: &Profile, row: &ProcessRow) -> Result<
     })
 }
 
-/// Feed and power that leave the row's energy per length: the row's feed where it can be had, another where power would leave floor..1.
+/// Feed and power that leave the row's energy per length, for watts within `factor` of the row's: the row's feed where it can be had, another where power would leave floor..1.
 fn rescale(
     machine: &Machine,
     profile: &Profile,
     row: &ProcessRow,
     [power, reference_power_w, power_w]: [f64; 3],
+    factor: f64,
 ) -> Result<(f64, f64), Error> {
     let ratio = power_w / reference_power_w;
     // A hair beyond the factor is rounding, not another laser.
-    if !(1.0 / RESCALE_FACTOR - 1e-9..=RESCALE_FACTOR + 1e-9).contains(&ratio) {
+    if !(1.0 / factor - 1e-9..=factor + 1e-9).contains(&ratio) {
         return Err(Error::NeedsCalibration {
             machine: machine.name.clone(),
             profile: profile.name.clone(),

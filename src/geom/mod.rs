@@ -10,6 +10,7 @@ mod fillet;
 mod path;
 mod polygon;
 mod snap;
+mod thickness;
 pub mod tolerance;
 
 pub use arrangement::{Coverage, Enclosed, clip, enclosed};
@@ -20,6 +21,7 @@ pub use polygon::{
     closest_on_segment, contains, convex_hull, distance_to_loop, distance_to_segment, segments_cross, signed_area,
 };
 pub use snap::snap_round;
+pub use thickness::{long_side, thickness};
 
 /// A position in a plane.
 pub type P2 = nalgebra::Point2<f64>;

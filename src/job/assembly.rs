@@ -4,8 +4,9 @@ use super::settings::Setup;
 use super::sheets::{Sheets, minutes};
 use super::strips::Strips;
 use super::{Order, Realised};
-use crate::assembly::{Book, Card, CutSheet, Handling, book, patterns};
+use crate::assembly::{self, Book, Card, CutSheet, Handling, Marks, Paper, book, patterns};
 use crate::config::{Grain, LabelKind, Process, StockGrain, ToolClass};
+use crate::design::{self, StripAlong};
 
 /// The assembly sheets.
 pub(super) const FILE: &str = "assembly.pdf";
@@ -46,7 +47,10 @@ pub(super) fn files(
     let job = Book {
         name: &order.name,
         hash: &hash,
-        paper: order.paper,
+        paper: match order.design.paper {
+            design::Paper::A4 => Paper::A4,
+            design::Paper::Letter => Paper::Letter,
+        },
         mesh: realised.mesh.as_ref(),
         parts: &realised.parts,
         pieces: &strips.pieces,
@@ -56,8 +60,12 @@ pub(super) fn files(
         handling: Handling {
             flap_s: if directional { PAPER_FLAP_S } else { SOFT_FLAP_S },
             rod_mm: (2.0 * setup.profile.min_bend_radius_mm).max(LEAST_ROD_MM),
-            grain_known: directional.then_some(known),
-            lettered: matches!(setup.label_kind(), LabelKind::Engrave | LabelKind::Pen | LabelKind::Perforate),
+            grain: directional.then_some(assembly::Grain { along: setup.strip_along == StripAlong::Grain, known }),
+            marks: match setup.label_kind() {
+                LabelKind::Engrave | LabelKind::Pen | LabelKind::Perforate => Marks::Letters,
+                LabelKind::Notch => Marks::Notches,
+                LabelKind::Map => Marks::Nothing,
+            },
         },
     };
     let mut files = vec![(FILE, book(&job))];
@@ -102,13 +110,15 @@ fn at_the_machine(setup: &Setup) -> Vec<(&'static str, String)> {
     if cut.kerf_mm > 0.0 {
         facts.push(("Kerf", format!("{} mm, already in the programs", cut.kerf_mm)));
     }
-    facts.push(match (setup.marking(), setup.pen()) {
-        (Some(marks), _) => ("Engrave", told(marks)),
-        (None, Some(_)) => {
-            ("Labels", "drawn first by a pen in the tool's place: the programs in pen/, same zero".into())
-        }
-        (None, None) => ("Engrave", "nothing is engraved".into()),
-    });
+    let labels = match (setup.marking(), setup.pen(), setup.label_kind()) {
+        (Some(marks), ..) => told(marks),
+        (None, Some(_), _) => "drawn first by a pen in the tool's place: the programs in pen/, same zero".into(),
+        (None, None, LabelKind::Pen) => "with a pen: black in sheets/*.svg and *.dxf, layer \"engrave\"".into(),
+        (None, None, LabelKind::Perforate) => "numbers are cut in dashes".into(),
+        (None, None, LabelKind::Notch) => "notches in the edges are cut with the outlines".into(),
+        (None, None, LabelKind::Engrave | LabelKind::Map) => "nothing".into(),
+    };
+    facts.push(("Labels", labels));
     facts
 }
 

@@ -11,6 +11,15 @@ pub enum Error {
     /// The design file is not in order.
     #[error(transparent)]
     Design(#[from] crate::design::Error),
+    /// A test card cannot be made, or an answer to it not used.
+    #[error(transparent)]
+    Calibrate(#[from] crate::calibrate::Error),
+    /// A tool that cuts nothing has nothing to calibrate.
+    #[error("{machine} cuts nothing, so there is nothing to calibrate; take a laser or a knife")]
+    NothingCut {
+        /// The machine.
+        machine: String,
+    },
     /// The mesh cannot be used.
     #[error(transparent)]
     Mesh(#[from] crate::mesh::Error),
@@ -210,6 +219,7 @@ impl Error {
         match self {
             Error::Config(e) => e.refuses_job(),
             Error::Design(_) | Error::Mesh(_) | Error::UnknownStock { .. } | Error::UnknownPiece { .. } => false,
+            Error::Calibrate(e) => !e.is_answer(),
             Error::Outline { .. } | Error::Drawing { .. } | Error::Machine { .. } => false,
             Error::ForeignDesign { .. } | Error::Parse { .. } | Error::Plot { .. } | Error::File { .. } => false,
             _ => true,

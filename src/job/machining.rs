@@ -39,6 +39,7 @@ impl Setup {
             cut_inner: cut.clone(),
             cut_outline: cut,
             curve_tolerance_mm: CURVE_TOLERANCE_MM,
+            trials: Vec::new(),
             bridges: self.bridges(),
             held: roll.is_some() || self.machine.hold != Hold::None,
             lead_mm: 0.0,

@@ -11,6 +11,7 @@ mod artifacts;
 mod assembly;
 mod bodies;
 mod border;
+mod cards;
 mod change;
 mod dry_run;
 mod edits;
@@ -21,6 +22,7 @@ mod order;
 mod output;
 mod pictures;
 mod probe;
+mod program;
 mod proposal;
 mod realise;
 mod report;
@@ -36,7 +38,8 @@ mod ties;
 
 pub use crate::ruffle::Role as SectionRole;
 pub use border::take_in;
-pub use change::{Changed, Places, Request, change};
+pub use cards::{Learnt, TestCard, learnt, test_card};
+pub use change::{Changed, Cut, Places, Request, change};
 pub use dry_run::{Form, Look, Looked, look};
 pub use error::Error;
 pub use label::{Label, SheetLabel};
@@ -48,7 +51,6 @@ pub use settings::{check_settings, expected, limits};
 pub use sheets::minutes;
 pub use survey::{PartSurvey, SectionSurvey, Survey, survey};
 
-pub use crate::assembly::Paper;
 pub use crate::toolpath::Anchor;
 
 use crate::config::Library;

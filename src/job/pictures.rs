@@ -24,6 +24,7 @@ pub(super) fn part(part: &Part) -> Canvas {
     let foot = match report.foot {
         FootUsed::Free => "stands free",
         FootUsed::Pinned => "foot glued",
+        FootUsed::Tied => "tied to what it rests on",
     };
     part_canvas(&PartView {
         name: &part.name,

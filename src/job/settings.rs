@@ -6,7 +6,7 @@ use crate::config::{
     self, AirCode, Corner, Grain, JointKind, LabelKind, Library, Machine, Making, Pairing, Profile, SpliceKind,
     ToolClass, VisibleFace,
 };
-use crate::design::{Design, Foot, MeshSource, Method, PartDesign, Stack, StripAlong, Up};
+use crate::design::{Design, Foot, MeshSource, Method, Paper, PartDesign, Stack, StripAlong, Up};
 use crate::geom::{P2, Rect};
 use crate::progress::Warning;
 use crate::ruffle::Limits;
@@ -32,6 +32,8 @@ pub struct Setup {
     pub stock: Vec<String>,
     /// Which way strips run in the sheet.
     pub strip_along: StripAlong,
+    /// What sheets for people are printed on.
+    pub paper: Paper,
     /// How strips are fastened, divided and labelled, where the design says so.
     pub making: Making,
     /// What the user should know about the pair.
@@ -48,6 +50,7 @@ impl Setup {
         let mut setup = Setup {
             stock: design.stock.clone(),
             strip_along: design.strip_along,
+            paper: design.paper,
             making: design.making,
             machine,
             profile,
@@ -68,6 +71,14 @@ impl Setup {
             ));
         }
         Ok(setup)
+    }
+
+    /// For a test card: nothing is known yet, so a laser's values are carried over from any power.
+    pub(super) fn for_test(machine: &str, material: &str, library: &Library) -> Result<Setup, Error> {
+        let (machine, profile) = (library.machine(machine)?, library.profile(material)?);
+        let pairing = machine.trial(&profile)?;
+        let (stock, strip_along, paper, making, warnings) = Default::default();
+        Ok(Setup { machine, profile, pairing, stock, strip_along, paper, making, warnings })
     }
 
     /// What the chosen labels ask of the user.

@@ -1,15 +1,13 @@
 //! Pieces on sheets, and the program that cuts each sheet.
 
-use super::label::motion_told;
-use super::order::StartFrom;
+use super::program::{self, Written};
 use super::settings::Setup;
 use super::stock;
 use super::strips::Strips;
 use super::{Error, Order, SheetLabel};
-use crate::config::Grain;
 use crate::drawing::{Drawing, DrawnPath, KerfSide, Role, text_paths};
-use crate::gcode::{self, CheckSettings, Header, Move, Program};
-use crate::geom::{Motion, Rect, V2, tolerance};
+use crate::gcode::{Header, Move};
+use crate::geom::{Motion, V2, tolerance};
 use crate::nest::{self, Container, Item, Layout};
 use crate::progress::{Observer, Warning};
 use crate::toolpath::{self, Toolpath};
@@ -87,7 +85,7 @@ pub(super) fn sheets(
             drawings.extend(name.as_deref().and_then(|name| lettered(name, setup)));
             let number = sheets.len() + 1;
             let place = Place { number, count, stock: &stock.name, set: name.as_deref() };
-            sheets.push(program(place, layout.clone(), drawings, setup, order)?);
+            sheets.push(cut_sheet(place, layout.clone(), drawings, setup, order)?);
         }
     }
     for warning in sheets.iter().flat_map(|sheet| &sheet.toolpath.warnings) {
@@ -134,7 +132,7 @@ struct Place<'a> {
     set: Option<&'a str>,
 }
 
-fn program(
+fn cut_sheet(
     place: Place,
     layout: Layout,
     drawings: Vec<Drawing>,
@@ -143,12 +141,14 @@ fn program(
 ) -> Result<CutSheet, Error> {
     let file = format!("sheet-{:02}", place.number);
     let start = &order.batch.start;
+    let header = |toolpath: &Toolpath, tool, time_s: f64| header(place, toolpath, tool, time_s, setup, order);
+    let size_mm = [layout.width_mm, layout.height_mm];
     let written = |drawings: &[Drawing], settings: &toolpath::Settings| {
-        written(&file, place, drawings, [layout.width_mm, layout.height_mm], settings, setup, order)
+        program::written(&file, drawings, size_mm, settings, &header, setup, start)
     };
     let settings = setup.toolpath(start);
     if setup.by_hand() {
-        let toolpath = planned(&file, &drawings, [layout.width_mm, layout.height_mm], &settings)?;
+        let toolpath = program::planned(&file, &drawings, size_mm, &settings)?;
         let time_s = 60.0 * toolpath.cut_mm() / setup.pairing.cut.feed_mm_per_min;
         let (stock, text, pen, moves) = (place.stock.to_owned(), String::new(), None, Vec::new());
         return Ok(CutSheet { stock, file, ending: "svg", layout, drawings, toolpath, text, pen, moves, time_s });
@@ -162,77 +162,6 @@ fn program(
     Ok(CutSheet { stock: place.stock.to_owned(), file, ending, layout, drawings, toolpath, text, pen, moves, time_s })
 }
 
-/// A program and what it comes to.
-struct Written {
-    toolpath: Toolpath,
-    text: String,
-    moves: Vec<Move>,
-    time_s: f64,
-}
-
-fn planned(
-    file: &str,
-    drawings: &[Drawing],
-    [width_mm, height_mm]: [f64; 2],
-    settings: &toolpath::Settings,
-) -> Result<Toolpath, Error> {
-    toolpath::plan(drawings, width_mm, height_mm, settings)
-        .map_err(|source| Error::Toolpath { sheet: file.to_owned(), source })
-}
-
-/// Plans, writes, reads back and checks one program.
-fn written(
-    file: &str,
-    place: Place,
-    drawings: &[Drawing],
-    size_mm: [f64; 2],
-    settings: &toolpath::Settings,
-    setup: &Setup,
-    order: &Order,
-) -> Result<Written, Error> {
-    let sheet = || file.to_owned();
-    let start = &order.batch.start;
-    let toolpath = planned(file, drawings, size_mm, settings)?;
-    let refused = |source| Error::Gcode { sheet: sheet(), source };
-    let checked = check_settings(setup, start, settings.tool, &toolpath);
-    let (text, moves, findings) = if let Some(plotter) = setup.plotter(settings.tool) {
-        let text = gcode::emit_plot(&toolpath, &plotter).map_err(refused)?;
-        let feed_mm_per_min = setup.machine.max_feed_mm_per_min();
-        let moves =
-            gcode::trace_plot(&text, feed_mm_per_min).map_err(|source| Error::Plot { file: sheet(), source })?;
-        let findings = gcode::check_moves(&moves, text.lines().count(), &checked).errors;
-        (text, moves, findings)
-    } else {
-        let write =
-            |header: &Header| gcode::emit(&toolpath, header, &setup.dialect(start, settings.tool)).map_err(refused);
-        let read = |program: &Program| gcode::trace(program).map_err(|source| Error::Trace { sheet: sheet(), source });
-        // The header tells the planned time, which is known once the moves are.
-        let time_s = gcode::estimate(&read(&write(&Header::default())?)?, &setup.limits()).total_s;
-        let program = write(&header(place, &toolpath, settings.tool, time_s, setup, order))?;
-        let moves = read(&program)?;
-        (program.to_string(), moves, gcode::check(&program, &checked).errors)
-    };
-    if let Some(finding) = findings.into_iter().next() {
-        return Err(Error::Check { sheet: sheet(), finding });
-    }
-    let time_s = gcode::estimate(&moves, &setup.limits()).total_s;
-    Ok(Written { toolpath, text, moves, time_s })
-}
-
-/// What the machine permits. A job placed by hand lies nobody knows where: it is only checked for its size.
-fn check_settings(setup: &Setup, start: &StartFrom, tool: toolpath::Tool, toolpath: &Toolpath) -> CheckSettings {
-    let mut settings = setup.check();
-    settings.laser &= !setup.is_second(tool);
-    match start {
-        StartFrom::Absolute => settings,
-        StartFrom::Origin(_) | StartFrom::Current(_) => {
-            let least = toolpath.bounds().with(toolpath.park).min;
-            let size = V2::new(settings.work_area.width(), settings.work_area.height());
-            CheckSettings { work_area: Rect { min: least, max: least + size }, keep_outs: Vec::new(), ..settings }
-        }
-    }
-}
-
 fn header(
     place: Place,
     toolpath: &Toolpath,
@@ -241,39 +170,12 @@ fn header(
     setup: &Setup,
     order: &Order,
 ) -> Header {
-    let bounds = toolpath.bounds();
-    let cut = &setup.pairing.cut;
     let Place { number, count, stock, set } = place;
     let (width_mm, height_mm) = (toolpath.width_mm, toolpath.height_mm);
     let sheet = SheetLabel { number, of: count, stock: stock.to_owned(), width_mm, height_mm };
     let mut entries = vec![("job", order.name.clone()), ("design", order.hash()), ("sheet", sheet.to_string())];
-    entries.extend(motion_told(&toolpath.motion).map(|told| ("sheet lies", told)));
     entries.extend(set.map(|set| ("set", set.to_owned())));
-    entries.extend([("machine", setup.machine.name.clone()), ("material", setup.profile.name.clone())]);
-    if setup.is_second(tool) {
-        let turn = "before the program of the same name in sheets/, from the same zero";
-        entries.extend([("tool", "pen".to_owned()), ("turn", turn.to_owned())]);
-    } else {
-        let length = format!("{:.0} mm", toolpath.cut_mm());
-        entries.extend([("kerf", format!("{} mm", cut.kerf_mm)), ("cut at", setup.cut_told()), ("cut length", length)]);
-    }
-    entries.extend([
-        (
-            "bounds",
-            format!("X{:.3} Y{:.3} to X{:.3} Y{:.3} mm", bounds.min.x, bounds.min.y, bounds.max.x, bounds.max.y),
-        ),
-        ("planned time", minutes(time_s)),
-    ]);
-    if let [a, b] = toolpath.crosses[..] {
-        entries.push(("crosses", format!("X{:.3} Y{:.3} and X{:.3} Y{:.3} mm", a.x, a.y, b.x, b.y)));
-    }
-    if setup.profile.grain == Grain::Directional {
-        entries.push(("grain", if setup.turned() { "along Y" } else { "along X" }.to_owned()));
-    }
-    if !cut.calibrated && !setup.is_second(tool) {
-        entries.push(("UNCALIBRATED", format!("values {}; cut a test piece first", cut.source)));
-    }
-    Header { entries: entries.into_iter().map(|(k, v)| (k.to_owned(), v)).collect() }
+    program::header(entries, toolpath, tool, time_s, setup)
 }
 
 /// "3 min 20 s".

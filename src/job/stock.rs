@@ -3,7 +3,7 @@
 use super::Error;
 use super::settings::Setup;
 use crate::config::{Grain, Profile, Roll, StockGrain};
-use crate::design::StripAlong;
+use crate::design::{Paper, StripAlong};
 use crate::nest::Container;
 use crate::progress::Warning;
 
@@ -116,7 +116,10 @@ pub(super) fn sheets(setup: &Setup) -> Result<Vec<Sheet>, Error> {
         return Err(Error::Machine { machine: setup.machine.name.clone(), problem });
     }
     let names: Vec<String> = if setup.stock.is_empty() {
-        profile.stock.iter().filter(|s| s.size_mm.is_some()).map(|s| s.name.clone()).collect()
+        // What goes through the printer comes first.
+        let printed = (setup.by_hand() && setup.paper == Paper::Letter).then(|| "Letter".to_owned());
+        let own = profile.stock.iter().filter(|s| s.size_mm.is_some()).map(|s| s.name.clone());
+        printed.into_iter().chain(own).collect()
     } else {
         setup.stock.clone()
     };

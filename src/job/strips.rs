@@ -3,6 +3,7 @@
 use super::settings::Setup;
 use super::stock::{self, Sheet};
 use super::{Error, Realised};
+use crate::fit::FootUsed;
 use crate::progress::Warning;
 use crate::strip::{self, Connector, Piece, Splice};
 
@@ -93,8 +94,9 @@ fn flat(realised: &Realised, setup: &Setup, stock: Vec<Sheet>) -> Result<Strips,
         label_collisions: 0,
         warnings: Vec::new(),
     };
-    for part in &realised.parts {
-        let pieces = strip::pieces(part, &settings)?;
+    for (i, part) in realised.parts.iter().enumerate() {
+        let tied: Vec<u32> = realised.ties.iter().flatten().filter(|end| end.part == i).map(|end| end.joint).collect();
+        let pieces = strip::pieces(part, &tied, &settings)?;
         strips.pieces.extend(pieces.pieces);
         strips.splices.extend(pieces.splices);
         strips.max_mating_error_mm = strips.max_mating_error_mm.max(pieces.max_mating_error_mm);
@@ -108,12 +110,12 @@ fn flat(realised: &Realised, setup: &Setup, stock: Vec<Sheet>) -> Result<Strips,
     if !strips.connectors.is_empty() {
         let names: Vec<&str> = strips.connectors.iter().map(|c| c.piece.name.as_str()).collect();
         let message = format!(
-            "pieces {} tie the parts together: lay each end over the joint it is marked with, and push that joint's flap through both slits",
+            "pieces {} tie the parts together: each end goes between the two sheets of its joint, whose flap goes through it first",
             names.join(", ")
         );
         strips.warnings.push(Warning::new("connectors", message));
     }
-    for (part, _) in realised.parts.iter().zip(&realised.based).filter(|(_, based)| **based) {
+    for part in realised.parts.iter().filter(|part| part.report.foot == FootUsed::Pinned) {
         add_base_card(&mut strips, strip::base_card(part, &settings), longest, setup);
     }
     if strips.label_collisions > 0 {
@@ -135,7 +137,7 @@ fn add_base_card(strips: &mut Strips, card: Piece, longest_mm: f64, setup: &Setu
         Warning::new(
             "base-card",
             format!(
-                "{name} is the card that {part} stands on: glue the ends of the bottom rung on its lines, lettering up and toward you"
+                "{name} is the card that {part} stands on: glue the ends of the bottom rung on its lines, as assembly.pdf shows"
             ),
         )
     } else {

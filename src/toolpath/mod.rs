@@ -28,7 +28,7 @@ mod tour;
 mod travel;
 
 pub use error::Error;
-pub use settings::{Air, Anchor, Bridges, Dashes, Frame, Pass, Process, Settings, Share, Strike, Tool, Zero};
+pub use settings::{Air, Anchor, Bridges, Dashes, Frame, Pass, Process, Settings, Share, Strike, Tool, Trial, Zero};
 
 use crate::drawing::{Drawing, DrawnPath, KerfSide, Operation, Role};
 use crate::geom::{Motion, P2, Path, Rect};

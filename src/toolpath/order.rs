@@ -46,8 +46,8 @@ pub(super) fn as_drawn(cuts: &[Cut], settings: &Settings, scrap: &Scrap) -> Vec<
 }
 
 fn runs_of(cut: &Cut, visit: &Visit, settings: &Settings, scrap: &Scrap) -> Vec<Contour> {
-    let process = settings.process(cut.operation).expect("cuts without a process were refused");
-    runs::runs(cut, visit.way, process, settings, scrap)
+    let process = settings.process_on(&cut.piece, cut.operation).expect("cuts without a process were refused");
+    runs::runs(cut, visit.way, &process, settings, scrap)
 }
 
 fn from_the_far_side(group: &[Cut], places: &[Vec<Visit>], rules: &Rules, park: P2) -> Vec<(usize, usize)> {

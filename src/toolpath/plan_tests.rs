@@ -14,6 +14,7 @@ pub(super) fn settings() -> Settings {
         cut_inner: process(900.0, 0.8),
         cut_outline: process(900.0, 0.8),
         curve_tolerance_mm: 0.02,
+        trials: Vec::new(),
         bridges: None,
         held: false,
         lead_mm: 0.0,
@@ -256,4 +257,28 @@ fn a_knife_keeps_to_the_sheet_and_its_crosses_set_the_blade_first() {
     let first = &toolpath.contours[0].path;
     assert!((first.end().unwrap() - first.start().unwrap()).y.abs() < 1e-9, "along x");
     assert_eq!(toolpath.warnings, []);
+}
+
+#[test]
+fn a_trial_changes_feed_and_power_of_its_piece_alone() {
+    let square = |name: &str, x: f64| Drawing {
+        name: name.into(),
+        paths: vec![drawn(
+            Path::closed([(x, 5.0), (x + 9.0, 5.0), (x + 9.0, 14.0), (x, 14.0)].map(|(x, y)| P2::new(x, y))),
+            Role::Outline,
+            KerfSide::On,
+        )],
+    };
+    let trials = vec![Trial { piece: "b".into(), feed_mm_per_min: 333.0, power: 0.21 }];
+    let made = plan(&[square("a", 5.0), square("b", 25.0)], 60.0, 40.0, &Settings { trials, ..settings() }).unwrap();
+    for contour in made.contours.iter().filter(|c| c.operation != Operation::Engrave) {
+        let tried = (contour.feed_mm_per_min, contour.power) == (333.0, 0.21);
+        assert_eq!(tried, contour.piece == "b", "{contour:?}");
+    }
+    assert!(made.contours.iter().any(|c| c.piece == "b"));
+    let wild = vec![Trial { piece: "b".into(), feed_mm_per_min: 333.0, power: 1.2 }];
+    assert!(matches!(
+        plan(&[square("b", 5.0)], 60.0, 40.0, &Settings { trials: wild, ..settings() }),
+        Err(Error::Setting { .. })
+    ));
 }

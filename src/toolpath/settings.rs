@@ -3,6 +3,7 @@
 use super::Error;
 use crate::drawing::Operation;
 use crate::geom::{Motion, P2, Rect, V2};
+use std::borrow::Cow;
 use std::f64::consts::FRAC_PI_2;
 
 /// How hard air assist blows.
@@ -124,6 +125,17 @@ pub struct Frame {
     pub tip: V2,
 }
 
+/// A piece that is made in another way than the rest, to find out how that comes out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// Name of the piece.
+    pub piece: String,
+    /// Feed, mm/min, above 0.
+    pub feed_mm_per_min: f64,
+    /// Power of every pass as a fraction of the machine's full power, 0..=1.
+    pub power: f64,
+}
+
 /// Everything [`super::plan`] needs besides the drawings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -141,6 +153,8 @@ pub struct Settings {
     pub cut_outline: Process,
     /// How far lines and arcs may leave the compensated path, mm; 0 keeps every corner.
     pub curve_tolerance_mm: f64,
+    /// Pieces made in another way; none but on test cards.
+    pub trials: Vec<Trial>,
     /// What holds outlines in the sheet; `None` for nothing.
     pub bridges: Option<Bridges>,
     /// True when something else holds the sheet (a mat, a vacuum table, a carrier): outlines need not be made from the far side.
@@ -240,6 +254,17 @@ impl Settings {
         }
     }
 
+    /// How an operation is made on one piece, if it is.
+    pub(super) fn process_on(&self, piece: &str, operation: Operation) -> Option<Cow<'_, Process>> {
+        let usual = self.process(operation)?;
+        let Some(trial) = self.trials.iter().find(|trial| trial.piece == piece) else {
+            return Some(Cow::Borrowed(usual));
+        };
+        let tried = |pass: &Pass| Pass { power: trial.power, ..*pass };
+        let passes = usual.passes.iter().map(tried).collect();
+        Some(Cow::Owned(Process { feed_mm_per_min: trial.feed_mm_per_min, passes, ..usual.clone() }))
+    }
+
     /// How far the blade trails its axis, mm; 0 for what is no knife.
     pub(super) fn blade_mm(&self) -> f64 {
         match self.tool {
@@ -281,6 +306,15 @@ impl Settings {
         if let Some(Bridges { width_mm, pitch_mm, .. }) = self.bridges {
             require(width_mm > 0.0 && width_mm.is_finite(), "bridge width_mm", width_mm, "a width above 0 mm")?;
             require(pitch_mm > width_mm && pitch_mm.is_finite(), "bridge pitch_mm", pitch_mm, "more than the width")?;
+        }
+        for Trial { piece, feed_mm_per_min: feed, power } in &self.trials {
+            require(
+                feed.is_finite() && *feed > 0.0,
+                &format!("{piece} feed_mm_per_min"),
+                *feed,
+                "a feed above 0 mm/min",
+            )?;
+            require((0.0..=1.0).contains(power), &format!("{piece} power"), *power, "a fraction from 0 to 1")?;
         }
         for operation in Operation::ALL {
             let Some(process) = self.process(operation) else { continue };
