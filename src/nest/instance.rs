@@ -382,7 +382,7 @@ mod tests {
         let item = Item { copies: 4, ..Item::new("0", polygon.clone(), vec![0.0, 180.0]) };
         let mut stock = Container::sheet("bin 0", 200.0, 100.0, Some(2));
         let same = |stock: &Container| {
-            let written = Instance::new("n", &[item.clone()], std::slice::from_ref(stock), 2.0);
+            let written = Instance::new("n", std::slice::from_ref(&item), std::slice::from_ref(stock), 2.0);
             Instance::parse(&written.to_json().unwrap()).unwrap() == written
         };
         assert!(same(&stock));

@@ -121,7 +121,7 @@ mod tests {
     proptest! {
         #[test]
         fn heights_are_forbidden_exactly_where_shapes_overlap(a in star(), b in star(), dx in -15.0..15.0f64) {
-            let (s, t) = (Shape::new(&[a.clone()], 0.0, 0.0), Shape::new(&[b.clone()], 0.0, 0.0));
+            let (s, t) = (Shape::new(std::slice::from_ref(&a), 0.0, 0.0), Shape::new(std::slice::from_ref(&b), 0.0, 0.0));
             let mut spans = Vec::new();
             forbidden(&s, &t, dx, &mut spans);
             prop_assert!(spans.windows(2).all(|w| w[0].high < w[1].low));
