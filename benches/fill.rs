@@ -250,10 +250,42 @@ fn own() -> BTreeMap<String, Outline> {
                 [0.0, 60.0],
             ],
         ),
+        (
+            "thin-neck",
+            vec![
+                [0.0, 0.0],
+                [90.0, 0.0],
+                [90.0, 45.0],
+                [51.0, 45.0],
+                [51.0, 75.0],
+                [90.0, 75.0],
+                [90.0, 120.0],
+                [0.0, 120.0],
+                [0.0, 75.0],
+                [39.0, 75.0],
+                [39.0, 45.0],
+                [0.0, 45.0],
+            ],
+        ),
+        (
+            "star",
+            (0..10)
+                .map(|i| {
+                    let (angle, radius) =
+                        (std::f64::consts::TAU * (f64::from(i) / 10.0 + 0.25), [60.0, 30.0][i as usize % 2]);
+                    [60.0 + radius * angle.cos(), 60.0 + radius * angle.sin()]
+                })
+                .collect(),
+        ),
         ("arch", arc([100.0, 0.0], 100.0, 0.0, 180.0).chain(arc([100.0, 0.0], 55.0, 180.0, 0.0)).collect()),
         ("bow", arc([60.0, 60.0], 60.0, 45.0, 315.0).chain(arc([60.0, 60.0], 25.0, 315.0, 45.0)).collect()),
     ];
-    polygons.into_iter().map(|(name, points)| (name.to_owned(), outline(&points))).collect()
+    let mut outlines: BTreeMap<String, Outline> =
+        polygons.into_iter().map(|(name, points)| (name.to_owned(), outline(&points))).collect();
+    let hole = arc([50.0, 55.0], 22.0, 0.0, -351.0).map(|[x, y]| P2::new(x, y)).collect();
+    let around: Vec<[f64; 2]> = arc([50.0, 50.0], 50.0, 0.0, 351.0).collect();
+    outlines.insert("ring".to_owned(), Outline { holes: vec![hole], ..outline(&around) });
+    outlines
 }
 
 /// The start of a measurement.

@@ -18,11 +18,12 @@
 //!  design     TOML                       Design: what the user decided               config cut ruffle
 //!  strip      Part                       Pieces with flaps, slits, splices, labels   drawing cut ruffle extrude sim fit
 //!  drawing    (a value)                  paths with role, kerf side, piece; SVG, DXF -
-//!  nest       polygons, containers       Layouts                                     -
-//!  toolpath   placed drawings, process   Toolpath: kerf, order                       drawing nest
-//!  gcode      Toolpath                   Program; parse, trace, planner, check       toolpath
+//!  nest       polygons, containers       Layouts: sheets, offcuts, a roll             -
+//!  toolpath   placed drawings, process   Toolpath: kerf, bridges, order, blade       drawing nest
+//!  gcode      Toolpath                   Program, plot; parse, trace, planner, check toolpath
 //!  preview    parts, moves               pictures: SVG, PNG; a page that plays them  drawing nest gcode cut ruffle extrude sim fit
 //!  assembly   parts, pieces, layouts     sheets of paper: what to do, step by step   mesh cut ruffle extrude sim fit strip nest drawing
+//!  calibrate  material, machine           test cards, and what their answers mean     drawing strip
 //!  emulator   bytes and time             bytes, and what the machine did             gcode
 //!  stream     Program, bytes, time       bytes, events, a journal: a board fed       gcode emulator
 //!  config     TOML                       Machine, Profile, and how they pair         -
@@ -50,6 +51,7 @@
 #![warn(missing_docs)]
 
 pub mod assembly;
+pub mod calibrate;
 pub mod cli;
 pub mod config;
 pub mod cut;

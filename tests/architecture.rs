@@ -25,14 +25,30 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("stream", &["gcode", "emulator"]),
     ("preview", &["drawing", "nest", "gcode", "cut", "ruffle", "extrude", "sim", "fit"]),
     ("assembly", &["mesh", "cut", "ruffle", "extrude", "sim", "fit", "strip", "nest", "drawing"]),
+    ("calibrate", &["drawing", "strip"]),
     (
         "job",
         &[
-            "assembly", "drawing", "mesh", "config", "cut", "ruffle", "extrude", "sim", "fit", "design", "strip",
-            "nest", "toolpath", "gcode", "preview", "stream",
+            "assembly",
+            "drawing",
+            "mesh",
+            "config",
+            "cut",
+            "ruffle",
+            "extrude",
+            "sim",
+            "fit",
+            "design",
+            "strip",
+            "nest",
+            "toolpath",
+            "gcode",
+            "preview",
+            "stream",
+            "calibrate",
         ],
     ),
-    ("cli", &["job", "design", "preview", "gcode", "nest", "config", "stream"]),
+    ("cli", &["job", "design", "preview", "gcode", "nest", "config", "stream", "calibrate"]),
 ];
 const EVERYONE: &[&str] = &["geom", "progress"];
 

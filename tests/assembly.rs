@@ -4,19 +4,24 @@ use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::OnceLock;
 
 /// PDF units in a millimetre.
 const POINTS_PER_MM: f64 = 72.0 / 25.4;
 
-fn make(folder: &Path, model: &str, extra: &[&str]) -> Output {
-    let shape = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models").join(format!("{model}.obj"));
+fn furbelow(folder: &Path, args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_furbelow"))
-        .args(["make", shape.to_str().expect("plain path"), "--material", "paper-160", "--out", "out"])
-        .args(extra)
+        .args(args)
         .current_dir(folder)
         .env("FURBELOW_CONFIG_DIR", folder.join("config"))
         .output()
         .expect("the program starts")
+}
+
+fn make(folder: &Path, model: &str, extra: &[&str]) -> Output {
+    let shape = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models").join(format!("{model}.obj"));
+    let args = ["make", shape.to_str().expect("plain path"), "--material", "paper-160", "--out", "out"];
+    furbelow(folder, &[&args, extra].concat())
 }
 
 fn made(folder: &Path, model: &str, extra: &[&str]) -> PathBuf {
@@ -126,44 +131,116 @@ fn is_size(page: &Page, [width, height]: [f64; 2]) -> bool {
     near(page.size[0], width) && near(page.size[1], height)
 }
 
+/// A cuboid whose strip is divided for A4, its sheets on Letter: several tests read them.
+fn letter() -> &'static Path {
+    static MADE: OnceLock<tempfile::TempDir> = OnceLock::new();
+    let folder = MADE.get_or_init(|| {
+        let folder = tempfile::tempdir().unwrap();
+        made(
+            folder.path(),
+            "cuboid",
+            &["--machine", "diode-400", "--stock", "A4", "--paper", "letter", "--foot", "pinned"],
+        );
+        folder
+    });
+    folder.path()
+}
+
+/// The same cuboid for printer and scissors, on A4, under a name in other letters.
+fn print() -> &'static Path {
+    static MADE: OnceLock<tempfile::TempDir> = OnceLock::new();
+    let folder = MADE.get_or_init(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models/cuboid.obj");
+        fs::copy(model, folder.path().join("Медведь \u{141}.obj")).unwrap();
+        let args = ["make", "Медведь \u{141}.obj", "--machine", "print", "--material", "paper-160", "--out", "out"];
+        let output = furbelow(folder.path(), &args);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        folder
+    });
+    folder.path()
+}
+
+/// A strip that is not searched for, for what does not depend on the shape.
+const STACK: &str = r#"schema = 1
+machine = "diode-400"
+material = "paper-160"
+stock = ["A3"]
+
+[[part]]
+name = "A"
+stack = { layers = 3, inner_mm = 70, outer_mm = 80 }
+width_mm = 60
+"#;
+
+/// Makes the stack, with more in its design and on the command line.
+fn made_stack(folder: &Path, design: &str, extra: &[&str]) -> PathBuf {
+    fs::write(folder.join("stack.toml"), design).unwrap();
+    let output = furbelow(folder, &[&["make", "stack.toml", "--out", "out", "--force"], extra].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    folder.join("out")
+}
+
+fn texts(pages: &[Page]) -> Vec<&str> {
+    pages.iter().flat_map(|page| &page.texts).map(String::as_str).collect()
+}
+
+fn assert_tells_all(out: &Path, size: [f64; 2]) {
+    let bytes = fs::read(out.join("assembly.pdf")).unwrap();
+    assert!(bytes.len() < 5_000_000, "{} bytes", bytes.len());
+    let raw = String::from_utf8_lossy(&bytes);
+    assert!(!raw.contains("/FontFile") && !raw.contains("/CreationDate"));
+    assert!(!raw.contains(" rg\n") && !raw.contains(" RG\n") && !raw.contains(" k\n"), "greys only");
+    let pages = read(&bytes);
+    assert!(pages.len() >= 5 && pages.iter().all(|page| is_size(page, size)));
+    let all = texts(&pages);
+    let report = json(out.join("report.json"));
+    for piece in report["pieces"].as_array().unwrap() {
+        let name = format!("Piece {}", piece["name"].as_str().unwrap());
+        assert!(all.iter().any(|text| text.starts_with(&name)), "{name} is not drawn flat");
+        assert!(all.contains(&piece["name"].as_str().unwrap()), "{name} is not in the cut list");
+    }
+    let ruffle = json(out.join("ruffle.json"));
+    for point in ruffle["parts"][0]["connection_points"].as_array().unwrap() {
+        let joint = point["joint"].as_str().unwrap();
+        // Folded, flat twice or more, and its step.
+        let shown = all.iter().filter(|text| **text == joint).count();
+        assert!(shown >= 4, "joint {joint} is written {shown} times");
+    }
+    let joints = ruffle["parts"][0]["connection_points"].as_array().unwrap().len();
+    assert!(all.contains(&format!("step {joints} of {joints}").as_str()));
+    assert_eq!(all.iter().any(|text| text.starts_with("UNCALIBRATED")), report["machine"] == "diode-400");
+    let last = format!("page {} of {}", pages.len(), pages.len());
+    assert!(pages[pages.len() - 1].texts.contains(&last));
+}
+
 #[test]
 fn the_sheets_name_every_joint_and_piece_on_pages_of_the_size_asked_for() {
-    for (model, paper, size) in [("teddy", "a4", [210.0, 297.0]), ("stool", "letter", [215.9, 279.4])] {
-        let folder = tempfile::tempdir().unwrap();
-        let out = made(folder.path(), model, &["--machine", "diode-400", "--paper", paper]);
-        let bytes = fs::read(out.join("assembly.pdf")).unwrap();
-        assert!(bytes.len() < 5_000_000, "{model}: {} bytes", bytes.len());
-        let raw = String::from_utf8_lossy(&bytes);
-        assert!(!raw.contains("/FontFile") && !raw.contains("/CreationDate"));
-        let pages = read(&bytes);
-        assert!(pages.len() >= 5 && pages.iter().all(|page| is_size(page, size)), "{model}");
-        let all: Vec<&str> = pages.iter().flat_map(|page| &page.texts).map(String::as_str).collect();
-        let report = json(out.join("report.json"));
-        for piece in report["pieces"].as_array().unwrap() {
-            let name = format!("Piece {}", piece["name"].as_str().unwrap());
-            assert!(all.iter().any(|text| text.starts_with(&name)), "{model}: {name} is not drawn flat");
-            assert!(all.contains(&piece["name"].as_str().unwrap()), "{model}: {name} is not in the cut list");
-        }
-        let ruffle = json(out.join("ruffle.json"));
-        for point in ruffle["parts"][0]["connection_points"].as_array().unwrap() {
-            let joint = point["joint"].as_str().unwrap();
-            // Folded, flat twice or more, and its step.
-            let shown = all.iter().filter(|text| **text == joint).count();
-            assert!(shown >= 4, "{model}: joint {joint} is written {shown} times");
-        }
-        let joints = ruffle["parts"][0]["connection_points"].as_array().unwrap().len();
-        assert!(all.contains(&format!("step {joints} of {joints}").as_str()));
-        assert!(all.iter().any(|text| text.starts_with("UNCALIBRATED")));
-        let last = format!("page {} of {}", pages.len(), pages.len());
-        assert!(pages[pages.len() - 1].texts.contains(&last));
-    }
+    assert_tells_all(&letter().join("out"), [215.9, 279.4]);
+    assert_tells_all(&print().join("out"), [210.0, 297.0]);
+}
+
+#[test]
+fn what_sheets_are_printed_on_is_kept_in_the_design_and_patterns_are_laid_out_for_it() {
+    let design = fs::read_to_string(letter().join("out/design.toml")).unwrap();
+    assert!(design.contains("paper = \"letter\""), "{design}");
+    let text = fs::read_to_string(print().join("out/design.toml")).unwrap();
+    assert!(!text.contains("paper ="), "A4 goes without saying");
+    let folder = tempfile::tempdir().unwrap();
+    let out = made_stack(
+        folder.path(),
+        &STACK.replace("stock = [\"A3\"]\n", ""),
+        &["--machine", "print", "--paper", "letter"],
+    );
+    let pages = read(&fs::read(out.join("print.pdf")).unwrap());
+    assert!(pages.iter().all(|p| is_size(p, [215.9, 279.4]) || is_size(p, [279.4, 215.9])));
+    let report = json(out.join("report.json"));
+    assert!(report["sheets"].as_array().unwrap().iter().all(|sheet| sheet["stock"] == "Letter"));
 }
 
 #[test]
 fn nothing_lies_beyond_the_paper() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = made(folder.path(), "lampshade", &["--machine", "diode-400"]);
-    for (i, page) in read(&fs::read(out.join("assembly.pdf")).unwrap()).iter().enumerate() {
+    for (i, page) in read(&fs::read(letter().join("out/assembly.pdf")).unwrap()).iter().enumerate() {
         let margin = 8.0 * POINTS_PER_MM;
         let inside = |p: &[f64; 2]| (0..2).all(|axis| p[axis] >= margin && p[axis] <= page.size[axis] - margin);
         let beyond = page.lines.iter().flatten().find(|p| !inside(p));
@@ -172,9 +249,45 @@ fn nothing_lies_beyond_the_paper() {
 }
 
 #[test]
-fn patterns_come_out_at_true_size_and_nothing_is_written_for_a_machine() {
+fn a_step_says_where_its_flap_is_which_slits_it_goes_through_and_which_way_it_folds() {
+    let pages = read(&fs::read(letter().join("out/assembly.pdf")).unwrap());
+    let all = texts(&pages).join(" ");
+    for words in ["Flap on piece", "through the", "Fold toward the lettered", "Fold away from the lettered"] {
+        assert!(all.contains(words), "{words}");
+    }
+    for words in
+        ["How a joint closes", "lettered sides up", "paper clip", "How the grain runs in this stock is not known"]
+    {
+        assert!(all.contains(words), "{words}");
+    }
+    // What is asked before cutting stands before what is done after it.
+    let page_of = |word: &str| pages.iter().position(|p| p.texts.iter().any(|t| t.contains(word))).expect("a page");
+    assert!(page_of("Tear a corner") <= page_of("sheet-01") && page_of("sheet-01") < page_of("Before folding"));
+}
+
+#[test]
+fn strips_across_the_grain_are_told_and_felt_says_how_its_notches_read() {
     let folder = tempfile::tempdir().unwrap();
-    let out = made(folder.path(), "stool", &["--machine", "print"]);
+    let told = |design: &str| {
+        let out = made_stack(folder.path(), design, &[]);
+        texts(&read(&fs::read(out.join("assembly.pdf")).unwrap())).join(" ")
+    };
+    let across = told(&format!("strip_along = \"across\"\n{STACK}"));
+    assert!(across.contains("All strips run across the grain") && !across.contains("run along the grain:"));
+    let felt = told(&STACK.replace("paper-160", "felt-stiff-1"));
+    assert!(felt.contains("a deep notch counts five") && felt.contains("Needle and thread"), "{felt}");
+    assert!(!felt.contains("write the numbers") && !felt.contains("lettered") && !felt.contains("grain"));
+}
+
+#[test]
+fn names_in_any_script_can_be_read() {
+    let pages = read(&fs::read(print().join("out/assembly.pdf")).unwrap());
+    assert!(texts(&pages).contains(&"Medved' L"));
+}
+
+#[test]
+fn patterns_come_out_at_true_size_and_nothing_is_written_for_a_machine() {
+    let out = print().join("out");
     let report = json(out.join("report.json"));
     let sheets = report["sheets"].as_array().unwrap();
     let pages = read(&fs::read(out.join("print.pdf")).unwrap());
@@ -198,7 +311,7 @@ fn patterns_come_out_at_true_size_and_nothing_is_written_for_a_machine() {
 #[test]
 fn a_pattern_larger_than_the_paper_goes_on_several_pages_that_say_where_they_belong() {
     let folder = tempfile::tempdir().unwrap();
-    let out = made(folder.path(), "stool", &["--machine", "print", "--stock", "A3"]);
+    let out = made_stack(folder.path(), STACK, &["--machine", "print"]);
     let sheets = json(out.join("report.json"))["sheets"].as_array().unwrap().len();
     let pages = read(&fs::read(out.join("print.pdf")).unwrap());
     assert!(pages.len() > sheets);
@@ -209,12 +322,13 @@ fn a_pattern_larger_than_the_paper_goes_on_several_pages_that_say_where_they_bel
 #[test]
 fn the_same_job_gives_the_same_sheets_and_a_laser_job_leaves_no_patterns_behind() {
     let folder = tempfile::tempdir().unwrap();
-    let out = made(folder.path(), "cuboid", &["--machine", "print"]);
-    let first = ["assembly.pdf", "print.pdf"].map(|name| fs::read(out.join(name)).unwrap());
-    let out = made(folder.path(), "cuboid", &["--machine", "print"]);
-    let second = ["assembly.pdf", "print.pdf"].map(|name| fs::read(out.join(name)).unwrap());
-    assert!(first == second);
-    let out = made(folder.path(), "cuboid", &["--machine", "diode-400", "--force"]);
+    let printed = || {
+        let out = made_stack(folder.path(), STACK, &["--machine", "print"]);
+        ["assembly.pdf", "print.pdf"].map(|name| fs::read(out.join(name)).unwrap())
+    };
+    let first = printed();
+    assert!(first == printed());
+    let out = made_stack(folder.path(), STACK, &[]);
     assert!(!out.join("print.pdf").exists() && out.join("preview.html").exists());
 }
 
@@ -222,12 +336,7 @@ fn the_same_job_gives_the_same_sheets_and_a_laser_job_leaves_no_patterns_behind(
 fn nothing_can_be_sent_to_scissors() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("job.nc"), "G21\nG0X1\n").unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_furbelow"))
-        .args(["check", "job.nc", "--machine", "print"])
-        .current_dir(folder.path())
-        .env("FURBELOW_CONFIG_DIR", folder.path().join("config"))
-        .output()
-        .unwrap();
+    let output = furbelow(folder.path(), &["check", "job.nc", "--machine", "print"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("has no controller"));
 }

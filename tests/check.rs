@@ -48,6 +48,7 @@ fn files_of_other_programs_raise_no_false_alarms() {
         "laser_mode = false",
         "[tool]",
         "class = \"pen\"",
+        "servo = { down_s = 90, up_s = 30, dwell_s = 0.2 }",
     ];
     std::fs::write(&pen, lines.join("\n")).expect("written");
     let pen = pen.display().to_string();

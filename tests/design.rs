@@ -176,15 +176,17 @@ fn an_outline_keeps_its_layers_with_the_first_edit_and_gives_the_same_bytes_each
 #[test]
 fn the_papers_strips_are_built_in_and_as_long_as_its_table_says() {
     let desk = Desk::new();
-    // Without end tabs of 18.5 mm together.
-    for (name, length_mm, within_mm) in
-        [("paper-default", 468.35, 0.02), ("paper-wide", 730.27, 0.02), ("paper-dense", 778.5, 12.0)]
+    // The table's lengths (486, 749, 797 mm) and masses, with 9 mm of end tab at both ends and 80 mm wide.
+    for (name, length_mm, mass_g) in
+        [("paper-default", 486.0, 6.0), ("paper-wide", 749.0, 10.0), ("paper-dense", 797.0, 10.0)]
     {
         let out = desk.done(&format!("make {name} -m diode-400 -p paper-160"));
         assert!(out.contains(&format!("out/{name}")), "{out}");
         let report = desk.json(&format!("out/{name}/report.json"));
-        let length = report["parts"][0]["strip_length_mm"].as_f64().unwrap();
-        assert!((length - length_mm).abs() < within_mm, "{name}: {length}");
+        let length = report["parts"][0]["strip_length_mm"].as_f64().unwrap() + 18.0;
+        assert!((length - length_mm).abs() <= 2.0, "{name}: {length}");
+        let mass = length * 80.0 * 160e-6;
+        assert!((mass - mass_g).abs() <= 0.5, "{name}: {mass}");
         assert_eq!(report["parts"][0]["outcome"], "converged");
         desk.done(&format!("make out/{name}/design.toml --out again"));
         assert_eq!(desk.text("again/ruffle.json"), desk.text(&format!("out/{name}/ruffle.json")));
@@ -228,4 +230,26 @@ fn a_new_design_is_shown_before_it_is_changed_and_not_overwritten() {
     desk.done("design undo design.toml");
     assert_eq!(desk.text("design.toml"), text);
     assert_ne!(planes(&moved), planes(&desk.show("design.toml")));
+}
+
+#[test]
+fn a_part_is_split_by_a_command_and_made_whole_again() {
+    let desk = Desk::new();
+    let cuboid = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models/cuboid.obj");
+    fs::copy(cuboid, desk.path("box.obj")).unwrap();
+    desk.done("design new box.obj -m diode-400 -p paper-160 --height-mm 90 --foot pinned");
+    let whole = desk.text("design.toml");
+    let out = desk.done("design split design.toml A --above 50");
+    assert!(out.contains("split A through") && out.contains("PART B"), "{out}");
+    assert_eq!(desk.text("design.toml").matches("[[edit]]").count(), 1);
+    desk.done("make design.toml --out out");
+    let report = desk.json("out/report.json");
+    assert_eq!(report["parts"].as_array().unwrap().len(), 2);
+    assert!(!report["connectors"].as_array().unwrap().is_empty());
+    let lower = &desk.json("out/ruffle.json")["parts"][0];
+    assert!(!lower["loads_n"].as_array().unwrap().is_empty(), "the lower part bears the upper one");
+    let (code, _, err) = desk.run("design split design.toml A --origin 0 10 0");
+    assert!(code == 2 && err.contains("--normal"), "{err}");
+    assert!(desk.done("design undo design.toml").contains("took back split A"));
+    assert_eq!(desk.text("design.toml"), whole);
 }

@@ -37,11 +37,13 @@ struct Curve {
     places: Vec<Point>,
     /// Stations at which the strip passes each joint.
     passes: BTreeMap<String, Vec<f64>>,
+    /// Connectors to other parts that lie in a joint, right behind the flap's sheet.
+    between: BTreeMap<String, usize>,
     thickness_mm: f64,
 }
 
 impl Curve {
-    fn of(ruffle: &Value, part: &str) -> Curve {
+    fn of(ruffle: &Value, part: &str, connectors: &[&Piece]) -> Curve {
         let part = ruffle["parts"].as_array().unwrap().iter().find(|p| p["name"] == part).expect("the part");
         let number = |v: &Value| v.as_f64().unwrap();
         let nodes: Vec<Point> =
@@ -61,7 +63,11 @@ impl Curve {
             passes.insert(point["joint"].as_str().unwrap().to_owned(), at);
         }
         let places = walk.iter().map(|n| nodes[*n]).collect();
-        Curve { stations, places, passes, thickness_mm: number(&ruffle["material"]["thickness_mm"]) }
+        let mut between = BTreeMap::new();
+        for slit in connectors.iter().flat_map(|c| &c.slits) {
+            *between.entry(slit.joint.clone()).or_default() += 1;
+        }
+        Curve { stations, places, passes, between, thickness_mm: number(&ruffle["material"]["thickness_mm"]) }
     }
 
     /// Where the strip is at `s`; it runs on straight beyond its ends.
@@ -212,11 +218,12 @@ fn problems(out: &Path) -> Vec<String> {
     files.retain(|f| f.extension().is_some_and(|e| e == "svg"));
     files.sort();
     let pieces: Vec<Piece> = files.iter().map(|f| read_piece(f)).collect();
+    let connectors: Vec<&Piece> = pieces.iter().filter(|p| p.name.contains('-')).collect();
     for part in ruffle["parts"].as_array().unwrap() {
         let name = part["name"].as_str().unwrap();
         let own: Vec<&Piece> =
             pieces.iter().filter(|p| p.name.trim_end_matches(|c: char| c.is_ascii_digit()) == name).collect();
-        problems.extend(check(&Curve::of(&ruffle, name), &own));
+        problems.extend(check(&Curve::of(&ruffle, name, &connectors), &own));
     }
     problems
 }
@@ -273,7 +280,8 @@ fn miss(curve: &Curve, flap: &Cut, slit: &Cut) -> f64 {
     let apart = norm(minus(curve.at(pass), place));
     // The second sheet a flap goes through lies a thickness farther.
     let sheets = curve.passes.get(&flap.joint).map_or(1, |p| p.len() - 1);
-    let wanted = (0..sheets).map(|k| curve.thickness_mm * (1 + k) as f64 + AHEAD_MM);
+    let first = 1 + curve.between.get(&flap.joint).copied().unwrap_or(0);
+    let wanted = (first..first + sheets).map(|k| curve.thickness_mm * k as f64 + AHEAD_MM);
     let lead_error = wanted.map(|w| (lead - w).abs()).fold(f64::INFINITY, f64::min);
     apart.hypot(lead_error).hypot(middle[1] - root[1])
 }
@@ -368,7 +376,7 @@ fn teddy_and_stool_fold_up_whole_and_in_pieces() {
 #[test]
 fn laps_fold_up_too() {
     let folder = tempfile::tempdir().unwrap();
-    let out = paper(folder.path(), "stool", "A4");
+    let out = paper(folder.path(), "cuboid", "A4");
     let design = fs::read_to_string(out.join("design.toml")).unwrap();
     let lapped = design.replacen("[mesh]", "[making]\nsplice = \"lap\"\n\n[mesh]", 1);
     fs::write(out.join("design.toml"), lapped).unwrap();
@@ -380,9 +388,28 @@ fn laps_fold_up_too() {
 }
 
 #[test]
+fn tied_parts_fold_up_with_a_connector_between_the_sheets_of_each_joint() {
+    let folder = tempfile::tempdir().unwrap();
+    let design = format!(
+        "schema = 1\nmachine = \"diode-400\"\nmaterial = \"paper-160\"\n\n[mesh]\nfile = '{}'\n\n[[split]]\norigin_mm = [0, 50, 0]\nnormal = [0, 1, 0]\ninto = [\"A\", \"B\"]\n\n[[part]]\nname = \"A\"\n\n[[part]]\nname = \"B\"\n",
+        model("cuboid")
+    );
+    fs::write(folder.path().join("halves.toml"), design).unwrap();
+    let out = make(folder.path(), &["make", "halves.toml", "--out", "out"]);
+    assert_eq!(problems(&out), Vec::<String>::new());
+    let report: Value = serde_json::from_slice(&fs::read(out.join("report.json")).unwrap()).unwrap();
+    let connectors = report["connectors"].as_array().unwrap();
+    assert!(!connectors.is_empty());
+    // Taken away, the slits of the joints it lay in are too far ahead by its thickness.
+    let piece = connectors[0]["piece"].as_str().unwrap();
+    fs::remove_file(out.join(format!("strips/{piece}.svg"))).unwrap();
+    assert!(!problems(&out).is_empty());
+}
+
+#[test]
 fn spoilt_files_are_noticed() {
     let folder = tempfile::tempdir().unwrap();
-    let out = paper(folder.path(), "stool", "A4");
+    let out = paper(folder.path(), "cuboid", "A4");
     let file = out.join("strips/A1.svg");
     let good = fs::read_to_string(&file).unwrap();
     let noticed = |what: &str| {

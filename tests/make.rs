@@ -1,5 +1,9 @@
 //! `furbelow make` as its users run it: the real binary on real meshes, judged by what it writes.
 
+#[path = "kerf/mod.rs"]
+mod kerf;
+
+use kerf::{Meant, NOTHING, Sheet, compare, judge};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -64,7 +68,7 @@ fn snapshot(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 #[test]
-fn every_model_is_made_and_its_report_adds_up() {
+fn every_model_is_made_its_report_adds_up_and_what_is_cut_is_true_to_size() {
     for name in MODELS {
         let folder = tempfile::tempdir().unwrap();
         let output = make(folder.path(), &model(name), &[]);
@@ -96,6 +100,14 @@ fn every_model_is_made_and_its_report_adds_up() {
             assert_eq!([&label.machine, &label.material].map(Option::as_deref), [Some("diode-400"), Some("paper-160")]);
             assert_eq!((label.sheet.expect("a sheet").of, label.grain.as_deref()), (sheets.len(), Some("along X")));
             assert!(label.uncalibrated.is_some(), "{name}: nobody measured paper here");
+        }
+        for Sheet { nominal, runs, kerf_mm, pen } in kerf::sheets(&folder.path().join("out")) {
+            assert!(kerf_mm == 0.15 && pen.is_empty());
+            let found = compare::compared(&nominal, &runs, 0.5 * kerf_mm);
+            judge(name, &nominal, &found, &Meant { bridge: (0.4, 100.0), ..NOTHING });
+            for (outline, gaps) in nominal.iter().zip(&found.gaps).filter(|(n, _)| n.class == "outline") {
+                assert!(gaps.len() >= 2, "{name}: {} hangs on {} bridges", outline.piece, gaps.len());
+            }
         }
     }
 }
@@ -193,7 +205,7 @@ fn clear_film_on_a_diode_is_refused_with_the_reason() {
 fn where_nothing_can_be_engraved_nothing_but_cuts_is_made() {
     let folder = tempfile::tempdir().unwrap();
     let shape = model("cuboid");
-    let args = ["make", shape.to_str().unwrap(), "-m", "k40", "-p", "polyester-0.1", "--stock", "A4", "--out", "out"];
+    let args = ["make", shape.to_str().unwrap(), "-m", "k40", "-p", "paper-80", "--stock", "A4", "--out", "out"];
     let output = furbelow(folder.path(), &args);
     assert_eq!(code(&output), 0, "{}", told(&output));
     let report = report(folder.path());

@@ -105,6 +105,10 @@ fn the_teddy_in_six_parts_carries_its_forces_and_makes_all_its_files() {
     for other in ["H", "AL", "AR", "LL", "LR"] {
         assert!(tied.contains(&["B".into(), other.into()]), "B and {other}: {tied:?}");
     }
+    let sheets = fs::read(folder.path().join("out/assembly.pdf")).unwrap();
+    let sheets = String::from_utf8_lossy(&sheets);
+    let at = |words: &str| sheets.find(words).unwrap_or_else(|| panic!("no {words} in the assembly sheets"));
+    assert!(at("(Connectors)") < at("(step 1 of "), "connectors are shown before the first step asks for one");
     for leg in ["LL-base", "LR-base"] {
         assert!(pieces.contains(&leg), "{leg}");
     }

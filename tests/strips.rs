@@ -80,6 +80,43 @@ fn pieces_add_up_and_every_label_has_its_place() {
     }
 }
 
+/// A strip of two metres, as its design says without a mesh.
+const TWO_METRES: &str = r#"schema = 1
+machine = "diode-400"
+material = "paper-160"
+stock = ["400x400"]
+
+[[part]]
+name = "A"
+stack = { layers = 8, inner_mm = 66, outer_mm = 55 }
+width_mm = 60
+foot = "pinned"
+"#;
+
+#[test]
+fn a_strip_of_two_metres_is_divided_for_a_sheet_of_400_mm_and_every_piece_is_placed_on_one() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("two.toml"), TWO_METRES).unwrap();
+    let output = furbelow(folder.path(), &["make", "two.toml", "--out", "out"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let report = report(folder.path());
+    assert!(number(&report["parts"][0]["strip_length_mm"]) > 2000.0);
+    let pieces = report["pieces"].as_array().unwrap();
+    assert!(pieces.len() >= 6);
+    // 400 mm less a margin of 6 on both sides.
+    assert!(pieces.iter().all(|p| number(&p["length_mm"]) <= 388.0 && p["sheet"].as_u64().is_some_and(|s| s > 0)));
+    for sheet in 1..=report["sheets"].as_array().unwrap().len() {
+        let text = fs::read_to_string(folder.path().join(format!("out/sheets/sheet-{sheet:02}.svg"))).unwrap();
+        let svg = roxmltree::Document::parse(&text).unwrap();
+        let group = |n: &roxmltree::Node| n.attribute("class") == Some("piece");
+        let mut named: Vec<&str> = svg.descendants().filter(group).filter_map(|n| n.attribute("data-name")).collect();
+        named.sort_unstable();
+        named.dedup();
+        let own = pieces.iter().filter(|p| p["sheet"].as_u64() == Some(sheet as u64)).count();
+        assert_eq!(named.len(), own, "sheet {sheet}");
+    }
+}
+
 #[test]
 fn the_report_tells_play_and_hold_at_their_worst() {
     let folder = tempfile::tempdir().unwrap();

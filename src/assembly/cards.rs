@@ -3,12 +3,14 @@
 use super::flow::{BODY, Flow, STRONG};
 use super::letters::Face;
 use super::page::{At, Lettering, Page, Pen, Place};
-use super::{Book, CutSheet};
+use super::{Book, CutSheet, Grain};
 use crate::drawing::Operation;
 use crate::geom::{P2, Rect, V2};
 
 const STOCK: Pen = Pen::black(0.3);
 const NAME: Lettering = Lettering::new(4.0, Face::Bold);
+/// Names on small pieces are written down to this share of the size.
+const LEAST_NAME: f64 = 0.42;
 const CAPTION: Lettering = Lettering::new(3.4, Face::Plain);
 /// Sheets side by side on the card.
 const ACROSS: usize = 2;
@@ -30,6 +32,9 @@ pub(super) fn cutting_card(flow: &mut Flow, job: &Book) {
         for item in &job.card.setup {
             flow.check(&sentence(item), title);
         }
+    }
+    if let Some(grain) = job.handling.grain {
+        grain_note(flow, grain, title);
     }
     let column = (flow.width_mm() - GAP_MM) / ACROSS as f64;
     let height = |sheet: &CutSheet| (sheet.layout.height_mm * column / sheet.layout.width_mm).min(TALLEST_MM);
@@ -53,8 +58,32 @@ pub(super) fn cutting_card(flow: &mut Flow, job: &Book) {
             flow.text(caption + V2::new(6.0, 0.0), At::Left, CAPTION, &text);
             let top = space.max.y - 8.0;
             let picture = Rect { min: P2::new(left, top - height(sheet)), max: P2::new(left + column, top) };
-            thumbnail(flow.paper(), &picture, sheet, job.handling.grain_known);
+            thumbnail(flow.paper(), &picture, sheet);
+            if job.handling.grain.is_some() {
+                let scale = height(sheet) / sheet.layout.height_mm;
+                let right = left + sheet.layout.width_mm * scale;
+                grain_arrow(flow.paper(), P2::new(right, caption.y + 1.2));
+            }
         }
+    }
+}
+
+/// How strips run to the grain, and how to find out how it runs, before anything is cut.
+fn grain_note(flow: &mut Flow, grain: Grain, title: &str) {
+    flow.heading("Grain", 20.0, title);
+    let rule = match grain.along {
+        true => "All strips run along the grain: the sheet is stiffest that way and springs back best.",
+        false => "All strips run across the grain, as the design asks: the sheet bends softer that way.",
+    };
+    flow.paragraph(BODY, &format!("{rule} The arrow over each sheet below shows the grain."), title);
+    if !grain.known {
+        flow.paragraph(STRONG, "How the grain runs in this stock is not known. Ten seconds tell:", title);
+        flow.check(
+            "Tear a corner along one side, then along the other: along the grain it tears straight, across it tears ragged.",
+            title,
+        );
+        flow.check("Or bend the sheet gently both ways: it curls more easily with the fold along the grain.", title);
+        flow.check("Lay every sheet so that its grain runs as the arrow shows.", title);
     }
 }
 
@@ -64,8 +93,8 @@ fn sentence(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// A nested sheet: pieces with their names, and the way the grain has to run.
-fn thumbnail(page: &mut Page, picture: &Rect, sheet: &CutSheet, grain_known: Option<bool>) {
+/// A nested sheet: pieces with their names.
+fn thumbnail(page: &mut Page, picture: &Rect, sheet: &CutSheet) {
     let stock = Rect::from_size(sheet.layout.width_mm, sheet.layout.height_mm);
     let mut place = Place::fit(&stock, picture, 1.0);
     // To the upper left of its column.
@@ -83,24 +112,26 @@ fn thumbnail(page: &mut Page, picture: &Rect, sheet: &CutSheet, grain_known: Opt
         }
     }
     for drawing in sheet.drawings {
-        let middle = place.point(drawing.bounds().center());
-        let half = 0.5 * NAME.width_mm(&drawing.name) + 0.6;
-        page.block(&Rect { min: middle - V2::new(half, 1.9), max: middle + V2::new(half, 1.9) }, 1.0);
-        page.text(middle - V2::new(0.0, 1.4), At::Middle, NAME, &drawing.name);
+        let bounds = drawing.bounds();
+        let (middle, wide) = (place.point(bounds.center()), bounds.width() * place.scale);
+        // As large as the piece is wide and high.
+        let room = (wide - 1.5) / NAME.width_mm(&drawing.name);
+        let share = room.min(bounds.height() * place.scale / (2.0 * NAME.size_mm)).clamp(LEAST_NAME, 1.0);
+        let name = Lettering { size_mm: share * NAME.size_mm, ..NAME };
+        let (half, high) = (0.5 * name.width_mm(&drawing.name) + 0.4, 0.48 * name.size_mm);
+        page.block(&Rect { min: middle - V2::new(half, high), max: middle + V2::new(half, high) }, 1.0);
+        page.text(middle - V2::new(0.0, 0.36 * name.size_mm), At::Middle, name, &drawing.name);
     }
-    if grain_known.is_some() {
-        let right = P2::new(corner.x + size.x - 2.0, corner.y + size.y - 2.5);
-        let left = right - V2::new(14.0, 0.0);
-        let words = CAPTION.width_mm("grain") + 2.0;
-        let min = left - V2::new(words, 1.4);
-        page.block(&Rect { min, max: right + V2::new(0.5, 1.4) }, 1.0);
-        let pen = Pen::black(0.25);
-        page.line(&[left, right], pen);
-        for (tip, way) in [(left, 1.0), (right, -1.0)] {
-            page.line(&[tip + V2::new(1.6 * way, 0.9), tip, tip + V2::new(1.6 * way, -0.9)], pen);
-        }
-        page.text(left - V2::new(1.5, 1.0), At::Right, Lettering { size_mm: 3.0, ..CAPTION }, "grain");
+}
+
+/// An arrow that ends at `right`, for the grain that runs along every sheet's picture.
+fn grain_arrow(page: &mut Page, right: P2) {
+    let (pen, left) = (Pen::black(0.25), right - V2::new(14.0, 0.0));
+    page.line(&[left, right], pen);
+    for (tip, way) in [(left, 1.0), (right, -1.0)] {
+        page.line(&[tip + V2::new(1.6 * way, 0.9), tip, tip + V2::new(1.6 * way, -0.9)], pen);
     }
+    page.text(left - V2::new(1.5, 1.0), At::Right, Lettering { size_mm: 3.0, ..CAPTION }, "grain");
 }
 
 /// Every piece with its sheet, size and mass, to tick off.

@@ -1,9 +1,10 @@
 //! The first page: what it will be.
 
 use super::flow::{BODY, Flow, MARGIN_MM};
-use super::joints::Joint;
-use super::page::{Page, Pen, Place};
-use super::{Book, SPLICE_S, code, count};
+use super::joints::{Held, Joint};
+use super::letters::Face;
+use super::page::{At, Lettering, Page, Pen, Place};
+use super::{Book, SPLICE_S, STITCH_S, code, count};
 use crate::fit::Part;
 use crate::geom::{P2, P3, Rect, V3};
 use crate::mesh::TriMesh;
@@ -13,6 +14,7 @@ use std::collections::BTreeMap;
 const CREASE_RAD: f64 = 40.0 * std::f64::consts::PI / 180.0;
 const SHAPE: Pen = Pen::gray(0.22, 0.45);
 const RIM: Pen = Pen::black(0.28);
+const NOTE: Lettering = Lettering { size_mm: 3.0, face: Face::Plain, gray: 0.35 };
 /// Side of the square code, mm: a phone reads it from a hand's breadth.
 const CODE_MM: f64 = 32.0;
 
@@ -38,26 +40,35 @@ pub(super) fn cover(flow: &mut Flow, job: &Book, joints: &[Joint]) {
         }
     };
     let mass: f64 = job.pieces.iter().map(|piece| piece.mass_g).sum();
-    let flaps: usize = joints.iter().map(|joint| joint.abreast).sum();
-    let minutes = assembly_minutes(job, flaps, job.splices.len());
+    let all: Vec<&Joint> = joints.iter().collect();
+    let minutes = assembly_minutes(job, &all, job.splices.len());
+    let held = |by: Held| joints.iter().filter(|joint| joint.held == by).map(|joint| joint.abreast).sum::<usize>();
+    let by = [(Held::Flaps, "flap"), (Held::Holes, "hole"), (Held::Tape, "marked place")];
+    let by = by.map(|(by, what)| (held(by), what)).into_iter().filter(|(n, _)| *n > 0);
+    let by: Vec<String> = by.map(|(n, what)| count(n, what)).collect();
     let cut = format!("{} on {}", count(job.pieces.len(), "piece"), count(job.sheets.len(), "sheet"));
-    let build =
-        format!("{} with {}, about {minutes} minutes by hand", count(joints.len(), "joint"), count(flaps, "flap"));
+    let build = format!("{} with {}, about {minutes} minutes by hand", count(joints.len(), "joint"), by.join(" and "));
     let mut facts = vec![("Size", size), ("Mass", format!("{mass:.1} g")), ("To cut", cut), ("To close", build)];
     facts.extend(job.card.facts.iter().take(2).map(|(what, value)| (what.as_str(), value.clone())));
     flow.facts(facts.iter().map(|(what, value)| (*what, value.as_str())), job.name);
-    let how = "Cut the pieces. Join them to strips, one strip a ruffle. Curl the strip, fold it as the drawing shows, and close the joints in the order of the steps: a flap and the slits it goes through carry the same number.";
+    let how = "Cut the pieces. Join them to strips, one strip for each ruffle. Curl the strip, fold it as the drawing shows, and close the joints in the order of the steps: a flap and the slits it goes through carry the same number.";
     flow.paragraph(BODY, how, job.name);
 
     let area = flow.paper().area;
     let corner = P2::new(area.max.x - MARGIN_MM - CODE_MM, MARGIN_MM);
     let square = Rect { min: corner, max: P2::new(area.max.x - MARGIN_MM, MARGIN_MM + CODE_MM) };
+    let caption = P2::new(square.min.x - 2.0, square.min.y + 2.0);
+    flow.text(caption, At::Right, NOTE, "This code names the job: keep it with what was made.");
     code::draw(flow.paper(), &square, &format!("furbelow {} {}", job.name, job.hash));
 }
 
-/// How long a person needs, in minutes, up to the next five.
-pub(super) fn assembly_minutes(job: &Book, flaps: usize, splices: usize) -> usize {
-    let seconds = flaps as f64 * job.handling.flap_s + splices as f64 * SPLICE_S;
+/// How long a person needs for these joints and for joining pieces, in minutes, up to the next five.
+pub(super) fn assembly_minutes(job: &Book, joints: &[&Joint], splices: usize) -> usize {
+    let each = |joint: &&Joint| match joint.held {
+        Held::Flaps | Held::Tape => joint.abreast as f64 * job.handling.flap_s,
+        Held::Holes => joint.abreast as f64 * STITCH_S,
+    };
+    let seconds = joints.iter().map(each).sum::<f64>() + splices as f64 * SPLICE_S;
     ((seconds / 300.0).ceil() as usize).max(1) * 5
 }
 

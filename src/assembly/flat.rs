@@ -15,14 +15,14 @@ use crate::strip::{Face as Side, Half, Passage, Piece};
 const LEAST_SCALE: f64 = 0.42;
 /// And no wider on the page than this, mm.
 const MOST_WIDTH_MM: f64 = 62.0;
-const NAME: Lettering = Lettering::new(4.4, Face::Bold);
-const NUMBER: Lettering = Lettering::new(3.9, Face::Bold);
+pub(super) const NAME: Lettering = Lettering::new(4.4, Face::Bold);
+pub(super) const NUMBER: Lettering = Lettering::new(3.9, Face::Bold);
 /// From lane to lane of joint numbers above a piece, mm.
 const LANE_MM: f64 = 4.4;
 const CONTOUR: Pen = Pen::black(0.35);
 const SLIT: Pen = Pen::black(0.8);
 const THIN: Pen = Pen::gray(0.2, 0.3);
-const LEADER: Pen = Pen::gray(0.2, 0.4);
+pub(super) const LEADER: Pen = Pen::gray(0.2, 0.4);
 const FLAP_GRAY: f64 = 0.35;
 
 /// Side of the triangle that tells which way a flap is folded, mm.
@@ -47,72 +47,99 @@ struct Number<'a> {
 pub(super) fn pages(flow: &mut Flow, job: &Book, part: &Part) {
     let title = format!("Ruffle {}: flat", part.name);
     let pieces = strip_pieces(&part.name, job.pieces);
-    let scale = scale(flow, &pieces);
     flow.page(&title);
-    let face = if job.handling.lettered { "the lettered side" } else { "the side shown here" };
+    let scale = scale(flow, &pieces);
+    let side = job.handling.marks.side();
+    let ticks = if pieces.len() > 1 && marked(&pieces) {
+        " Short ticks at the edges show how far the next piece reaches."
+    } else {
+        ""
+    };
     let note = format!(
-        "Drawn at {:.0} % with {face} toward you. Dark shapes are flaps, thick bars are slits; each goes with its own number. Fold a flap with a solid triangle toward you, with a hollow one away from you.",
+        "Drawn at {:.0} % with the {side} toward you. Dark shapes are flaps, thick bars are slits; each goes with its own number. A flap with a solid triangle folds toward you, toward the {side}; one with a hollow triangle away from it.{ticks}",
         100.0 * scale
     );
     flow.paragraph(BODY, &note, &title);
     flow.skip(2.0);
     for piece in pieces {
-        rows(flow, piece, scale, &title);
+        draw_rows(flow, piece, scale, &title);
     }
 }
 
-/// Draws pieces that belong to no strip: connectors and base cards.
-pub(super) fn beside(flow: &mut Flow, pieces: &[&Piece], title: &str) {
-    let scale = scale(flow, pieces);
-    for piece in pieces {
-        rows(flow, piece, scale, title);
-    }
+/// True when pieces carry ticks where their neighbours end.
+fn marked(pieces: &[&Piece]) -> bool {
+    pieces.iter().flat_map(|piece| &piece.drawing.paths).any(|path| path.role == Role::Mark && path.joint.is_none())
 }
 
-/// At which pieces are drawn below one another.
+/// At which pieces are drawn below one another: as large as the page is wide, a little less where that saves a page.
 fn scale(flow: &Flow, pieces: &[&Piece]) -> f64 {
     let longest = pieces.iter().map(|p| p.length_mm).fold(1.0, f64::max);
     let widest = pieces.iter().map(|p| p.width_mm).fold(1.0, f64::max);
-    (flow.width_mm() / longest).clamp(LEAST_SCALE, 1.0).min(MOST_WIDTH_MM / widest)
+    let most = (flow.width_mm() / longest).clamp(LEAST_SCALE, 1.0).min(MOST_WIDTH_MM / widest);
+    let height = |scale: f64| -> f64 {
+        let rows = pieces.iter().flat_map(|piece| rows(piece, scale, flow.width_mm()));
+        rows.map(|row| row.height_mm).sum()
+    };
+    let free = flow.free_mm() - NOTE_MM;
+    [1.0, 0.95, 0.9, 0.85, 0.8].map(|share| share * most).into_iter().find(|s| height(*s) <= free).unwrap_or(most)
 }
 
-fn rows(flow: &mut Flow, piece: &Piece, scale: f64, title: &str) {
+/// What the note over the pieces takes, mm.
+const NOTE_MM: f64 = 22.0;
+
+/// A stretch of a piece that is drawn in one row.
+struct Row<'a> {
+    stretch: Rect,
+    numbers: Vec<Number<'a>>,
+    lanes: usize,
+    height_mm: f64,
+}
+
+/// A piece in as many rows as it takes in a column `width_mm` wide.
+fn rows<'a>(piece: &'a Piece, scale: f64, width_mm: f64) -> Vec<Row<'a>> {
     let bounds = piece.drawing.bounds();
-    let most = flow.width_mm() / scale;
-    let count = (bounds.width() / most).ceil().max(1.0) as usize;
-    let row_mm = bounds.width() / count as f64;
-    for row in 0..count {
-        let from = bounds.min.x + row as f64 * row_mm;
+    let count = (bounds.width() * scale / width_mm - 1e-9).ceil().max(1.0);
+    let row_mm = bounds.width() / count;
+    let row = |i: usize| {
+        let from = bounds.min.x + i as f64 * row_mm;
         let stretch = Rect { min: P2::new(from, bounds.min.y), max: P2::new(from + row_mm, bounds.max.y) };
-        let name = match (count, row) {
+        let numbers = numbers(piece, &stretch, scale, MARGIN_MM + width_mm);
+        let lanes = numbers.iter().map(|n| n.lane + 1).max().unwrap_or(0);
+        let height_mm = bounds.height() * scale + lanes as f64 * LANE_MM + NAME.size_mm + 9.0;
+        Row { stretch, numbers, lanes, height_mm }
+    };
+    (0..count as usize).map(row).collect()
+}
+
+fn draw_rows(flow: &mut Flow, piece: &Piece, scale: f64, title: &str) {
+    let rows = rows(piece, scale, flow.width_mm());
+    let count = rows.len();
+    for (i, row) in rows.iter().enumerate() {
+        let name = match (count, i) {
             (1, _) => format!("Piece {}", piece.name),
             (_, 0) => format!("Piece {}, goes on below", piece.name),
-            _ => format!("Piece {}, row {} of {count}", piece.name, row + 1),
+            _ => format!("Piece {}, row {} of {count}", piece.name, i + 1),
         };
         let name = if piece.seen_from == Side::Front {
             name
         } else {
             format!("{name} (seen from the back, so the strip starts on the right)")
         };
-        // Lanes first: they decide how high the row is.
-        let drawn_mm = bounds.height() * scale;
-        let numbers = numbers(piece, &stretch, scale, MARGIN_MM + flow.width_mm());
-        let lanes = numbers.iter().map(|n| n.lane + 1).max().unwrap_or(0);
-        let space = flow.take(drawn_mm + lanes as f64 * LANE_MM + NAME.size_mm + 9.0, title);
+        let space = flow.take(row.height_mm, title);
         let min = space.min + V2::new(0.0, 5.0);
-        let window = Rect { min, max: min + V2::new(row_mm * scale, drawn_mm) };
-        let place = Place::new(scale, min - stretch.min * scale);
-        let above = P2::new(MARGIN_MM, window.max.y + lanes as f64 * LANE_MM + 2.0);
+        let window = Rect { min, max: min + V2::new(row.stretch.width(), row.stretch.height()) * scale };
+        let place = Place::new(scale, min - row.stretch.min * scale);
+        let above = P2::new(MARGIN_MM, window.max.y + row.lanes as f64 * LANE_MM + 2.0);
         flow.text(above, At::Left, NAME, &name);
         flow.paper().within(&window.grown(0.3), |page| draw(page, piece, &place));
-        for number in &numbers {
+        for number in &row.numbers {
             write(flow.paper(), piece, number, &place, window.max.y);
         }
     }
 }
 
 /// The piece as it is cut.
-fn draw(page: &mut Page, piece: &Piece, place: &Place) {
+pub(super) fn draw(page: &mut Page, piece: &Piece, place: &Place) {
     for path in &piece.drawing.paths {
         match path.role {
             Role::Outline => page.curve(&path.path, place, CONTOUR),

@@ -17,7 +17,7 @@ pub(super) const BODY: Lettering = Lettering::new(3.7, Face::Plain);
 /// Running text that matters.
 pub(super) const STRONG: Lettering = Lettering::new(3.7, Face::Bold);
 /// From baseline to baseline of running text, mm.
-const LEADING_MM: f64 = 5.2;
+pub(super) const LEADING_MM: f64 = 5.2;
 /// Side of a check box, mm: a pencil's tick.
 pub(super) const BOX_MM: f64 = 4.0;
 /// From the left of a check box to its text, mm.
@@ -94,6 +94,9 @@ impl Flow {
     pub fn heading(&mut self, text: &str, with_mm: f64, title: &str) {
         if self.free_mm() < 9.0 + with_mm {
             self.page(title);
+            if text == title {
+                return;
+            }
         }
         let line = self.take(9.0, title);
         self.text(P2::new(line.min.x, line.min.y + 2.2), At::Left, HEADING, text);

@@ -1,5 +1,7 @@
 //! Helvetica as every PDF reader has it: which bytes stand for which letter, and how wide they are.
 
+use super::spelling::spelt;
+
 /// Two of the fourteen faces that need no font in the file (PDF 1.7, section 9.6.2.2).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Face {
@@ -48,15 +50,18 @@ const BOLD: [u16; 95] = [
 /// Taken for accented letters, thousandths of the size: about that of the letter without its accent.
 const ACCENTED: u16 = 611;
 
-/// The text in WinAnsiEncoding; what it does not have becomes a question mark.
+/// The text in WinAnsiEncoding; letters it does not have are spelt with those it has ([`spelt`]).
 pub(super) fn encoded(text: &str) -> Vec<u8> {
-    let byte = |c: char| match c {
-        ' '..='~' => c as u8,
-        // Latin letters with accents have the same number in both.
-        '\u{a0}'..='\u{ff}' => c as u32 as u8,
-        _ => b'?',
-    };
-    text.chars().map(byte).collect()
+    let mut bytes = Vec::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            ' '..='~' => bytes.push(c as u8),
+            // Latin letters with accents have the same number in both.
+            '\u{a0}'..='\u{ff}' => bytes.push(c as u32 as u8),
+            other => bytes.extend(spelt(other).bytes()),
+        }
+    }
+    bytes
 }
 
 /// How wide a line of text is, mm.
@@ -96,8 +101,11 @@ mod tests {
     }
 
     #[test]
-    fn letters_helvetica_does_not_have_become_question_marks() {
-        assert_eq!(encoded("B\u{e4}r \u{718a}"), b"B\xe4r ?");
+    fn letters_helvetica_does_not_have_are_spelt() {
+        assert_eq!(encoded("B\u{e4}r"), b"B\xe4r");
+        assert_eq!(encoded("me\u{10f} \u{141}\u{f3}d\u{17a}"), b"med L\xf3dz");
+        assert_eq!(encoded("\u{43c}\u{435}\u{434}\u{432}\u{435}\u{434}\u{44c}"), b"medved'");
+        assert_eq!(encoded("\u{718a}"), b"U+718A ");
     }
 
     #[test]

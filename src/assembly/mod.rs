@@ -2,9 +2,12 @@
 //!
 //! Everything is drawn with lines, grey fills and Helvetica, which every reader has: it prints in black and white, and the same job gives the same bytes.
 
+mod beside;
 mod cards;
+mod closing;
 mod code;
 mod cover;
+mod finish;
 mod flat;
 mod flow;
 mod folded;
@@ -13,9 +16,11 @@ mod letters;
 mod order;
 mod page;
 mod pdf;
+mod prepare;
 mod rooms;
 #[cfg(test)]
 mod samples;
+mod spelling;
 mod steps;
 mod tiles;
 
@@ -113,14 +118,46 @@ pub struct Handling {
     pub flap_s: f64,
     /// Thickness of the rod that strips are curled round beforehand, mm: no tighter than the material bends without a crease.
     pub rod_mm: f64,
-    /// Whether strips must run along a grain; `Some(false)` when they must and nobody knows how the grain runs in the stock.
-    pub grain_known: Option<bool>,
-    /// True when pieces carry lettering.
-    pub lettered: bool,
+    /// How strips run to the grain of the stock; `None` for a material without one.
+    pub grain: Option<Grain>,
+    /// What tells pieces and joints apart.
+    pub marks: Marks,
+}
+
+/// How strips run to the grain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Grain {
+    /// True when they run along it, false across.
+    pub along: bool,
+    /// False where nobody knows how the grain runs in the stock.
+    pub known: bool,
+}
+
+/// What cut pieces carry to be told apart by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Marks {
+    /// Names and numbers, engraved, drawn or cut in dashes.
+    Letters,
+    /// Notches in the edges: a deep one counts five, a shallow one one.
+    Notches,
+    /// Nothing.
+    Nothing,
+}
+
+impl Marks {
+    /// What the side is called that lies up on the pages with the flat pieces.
+    fn side(self) -> &'static str {
+        match self {
+            Marks::Letters => "lettered side",
+            Marks::Notches | Marks::Nothing => "marked side",
+        }
+    }
 }
 
 /// Time to join two pieces of one strip, s: lay, glue, hold.
 const SPLICE_S: f64 = 60.0;
+/// Time for one stitch of a lap that is sewn, s.
+const STITCH_S: f64 = 10.0;
 
 /// The assembly sheets of a job, a PDF file.
 pub fn book(job: &Book) -> Vec<u8> {
@@ -129,12 +166,12 @@ pub fn book(job: &Book) -> Vec<u8> {
     cover::cover(&mut flow, job, &joints);
     cards::cutting_card(&mut flow, job);
     cards::cut_list(&mut flow, job);
-    steps::before(&mut flow, job);
+    prepare::prepare(&mut flow, job, &joints);
     for part in job.parts {
         folded::pages(&mut flow, job, part);
         steps::steps(&mut flow, job, part, &joints);
     }
-    steps::after(&mut flow, job);
+    finish::finish(&mut flow, job);
     flow.finish(&footer(job))
 }
 
@@ -147,6 +184,27 @@ pub fn patterns(job: &Book) -> Vec<u8> {
 fn splices_of<'a>(job: &Book<'a>, part: &'a str) -> impl Iterator<Item = &'a Splice> + 'a {
     let pieces = job.pieces;
     job.splices.iter().filter(move |s| pieces.iter().any(|p| p.part == part && p.name == s.pieces[0]))
+}
+
+/// Pieces that lie in joints of two parts and tie them: neither of a strip nor base cards.
+fn connectors<'a>(job: &Book<'a>) -> Vec<&'a Piece> {
+    of_no_strip(job).into_iter().filter(|piece| !piece.passages.is_empty()).collect()
+}
+
+/// Cards that parts stand on.
+fn base_cards<'a>(job: &Book<'a>) -> Vec<&'a Piece> {
+    of_no_strip(job).into_iter().filter(|piece| piece.passages.is_empty()).collect()
+}
+
+/// Pieces that belong to no strip.
+fn of_no_strip<'a>(job: &Book<'a>) -> Vec<&'a Piece> {
+    let of_strip: Vec<&str> = job
+        .parts
+        .iter()
+        .flat_map(|part| joints::strip_pieces(&part.name, job.pieces))
+        .map(|piece| piece.name.as_str())
+        .collect();
+    job.pieces.iter().filter(|piece| !of_strip.contains(&piece.name.as_str())).collect()
 }
 
 /// What stands under every page.

@@ -5,7 +5,7 @@
 //! contact, and become one when the joint is open.
 
 use crate::fit::Part;
-use crate::geom::{P2, V2, convex_hull, signed_area};
+use crate::geom::{P2, V2, signed_area, thickness};
 use crate::ruffle::ConnectionPoint;
 
 /// What lies between two neighbouring edges at a joint.
@@ -32,7 +32,7 @@ struct Edge {
 /// Rooms and what lies around every joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Rooms {
-    /// How thick each room is: its area over its longest extent, mm; the outside is infinite.
+    /// How thick each room is ([`thickness`]), mm; the outside is infinite.
     pub thickness_mm: Vec<f64>,
     /// Around every joint in the order of the connection points, counter-clockwise.
     pub around: Vec<Vec<Sector>>,
@@ -164,18 +164,9 @@ impl Faces {
         }
         // Rooms are walked counter-clockwise; the one walk that is clockwise goes round the whole.
         let outside = (0..loops.len()).min_by(|a, b| signed_area(&loops[*a]).total_cmp(&signed_area(&loops[*b])));
-        let thickness_mm = loops
-            .iter()
-            .enumerate()
-            .map(|(i, points)| if outside == Some(i) { f64::INFINITY } else { thickness_mm(points) });
+        let thickness_mm = loops.iter().enumerate().map(|(i, points)| {
+            if outside == Some(i) { f64::INFINITY } else { thickness(signed_area(points).max(0.0), points) }
+        });
         Faces { thickness_mm: thickness_mm.collect(), room_of }
     }
-}
-
-/// Area over longest extent, mm.
-fn thickness_mm(points: &[P2]) -> f64 {
-    let hull = convex_hull(points);
-    let pairs = hull.iter().enumerate().flat_map(|(i, a)| hull[..i].iter().map(move |b| (a - b).norm()));
-    let extent = pairs.fold(0.0, f64::max);
-    if extent > 0.0 { signed_area(points).max(0.0) / extent } else { 0.0 }
 }

@@ -13,6 +13,8 @@ const EDGE_MM: f64 = 8.0;
 const FOOT_MM: f64 = 10.0;
 /// How far neighbouring pages repeat each other, mm: enough to glue.
 const OVERLAP_MM: f64 = 10.0;
+/// A drawing this much larger than the window still goes into it, mm: less than its lines are wide.
+const SLACK_MM: f64 = 0.05;
 /// Length of the rule, mm.
 const RULE_MM: f64 = 100.0;
 const CAPTION: Lettering = Lettering { size_mm: 3.0, face: Face::Plain, gray: 0.2 };
@@ -36,8 +38,9 @@ impl Tiling {
         let lying = V2::new(paper.y, paper.x);
         let of = |page: V2, landscape: bool| {
             let window = page - V2::new(2.0 * EDGE_MM, 2.0 * EDGE_MM + FOOT_MM);
-            let number =
-                |length: f64, window: f64| (((length - OVERLAP_MM) / (window - OVERLAP_MM)).ceil() as usize).max(1);
+            let number = |length: f64, window: f64| {
+                (((length - OVERLAP_MM - SLACK_MM) / (window - OVERLAP_MM)).ceil() as usize).max(1)
+            };
             Tiling { window, columns: number(size.x, window.x), rows: number(size.y, window.y), landscape }
         };
         let (upright, lying) = (of(paper, false), of(lying, true));
@@ -168,6 +171,8 @@ mod tests {
         assert_eq!(Tiling::of(V2::new(150.0, 250.0), A4).columns, 1);
         let lying = Tiling::of(V2::new(273.0, 180.0), A4);
         assert!(lying.landscape && lying.columns * lying.rows == 1);
+        let full = Tiling::of(V2::new(281.0, 184.0 + 1e-9), A4);
+        assert_eq!(full.columns * full.rows, 1, "exactly as large as the window, but for rounding");
     }
 
     #[test]

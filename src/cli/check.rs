@@ -2,20 +2,20 @@
 
 use std::fs::File;
 use std::io::{BufReader, Read};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::{Exit, Failure, output};
 use crate::config::Library;
-use crate::gcode::{Checker, Finding, Report};
+use crate::gcode::{self, CheckSettings, Checker, Finding, Report};
 use crate::job;
 
 /// Arguments of `check`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// G-code file, `-` for stdin
+    /// G-code file, `-` for stdin; or a plot, .plt
     #[arg(value_name = "JOB.nc")]
     job: PathBuf,
     /// Machine it is meant for (see `furbelow machine list`), or a path
@@ -51,7 +51,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         None => None,
     };
     let settings = job::check_settings(&machine, pairing.as_ref());
-    let report = read(args, Checker::new(&settings))?;
+    let report = if is_plot(&args.job) {
+        read_plot(args, &settings, machine.max_feed_mm_per_min())?
+    } else {
+        read(args, Checker::new(&settings))?
+    };
     let bounds = report.bounds;
     let bounds_mm = if bounds.is_empty() { [0.0; 4] } else { [bounds.min.x, bounds.min.y, bounds.max.x, bounds.max.y] };
     if args.json {
@@ -77,6 +81,20 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
                 .into(),
         }),
     }
+}
+
+/// Plots are told by their name: they are read whole, G-code line by line.
+fn is_plot(job: &Path) -> bool {
+    let ending = job.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    matches!(ending.as_deref(), Some("plt" | "hpgl" | "hgl"))
+}
+
+fn read_plot(args: &Args, settings: &CheckSettings, feed_mm_per_min: f64) -> Result<Report, Failure> {
+    let told = |e: String| Failure::config(format!("{}: {e}", name(args)));
+    let bytes = std::fs::read(&args.job).map_err(|e| told(e.to_string()))?;
+    let text = String::from_utf8_lossy(&bytes);
+    let moves = gcode::trace_plot(&text, feed_mm_per_min).map_err(|e| told(e.to_string()))?;
+    Ok(gcode::check_moves(&moves, text.lines().count(), settings))
 }
 
 /// Reads the file line by line.

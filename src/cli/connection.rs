@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::time::Duration;
 
 use super::{Exit, Failure, output};
-use crate::config::{Library, Machine};
+use crate::config::{Dialect, Library, Machine};
 use crate::stream::{Address, Board, Command, Event, Link, Settings, State, Status, Trouble};
 
 /// How long to wait for one event before looking again.
@@ -29,10 +29,16 @@ pub(super) struct Where {
 }
 
 impl Where {
-    /// The machine that is named, if it has a board.
+    /// The machine that is named, if it has a board that can be talked to.
     pub(super) fn machine(&self) -> Result<Machine, Failure> {
         let machine = Library::open().machine(&self.machine)?;
         require_board(&machine)?;
+        if machine.controller.dialect == Dialect::Hpgl {
+            return Err(Failure::config(format!(
+                "{} reads plots (HP-GL) and answers nothing: give sheets/*.plt to it as they are, by its own driver or by copying them to its port",
+                machine.name
+            )));
+        }
         Ok(machine)
     }
 }

@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
-
+use super::batch::BatchArgs;
 use super::order::Shape;
 use super::output;
 use super::screen::Screen;
@@ -16,12 +15,11 @@ use crate::job::{self, Made, minutes};
 pub struct Args {
     #[command(flatten)]
     shape: Shape,
+    #[command(flatten)]
+    batch: BatchArgs,
     /// Folder to write into [default: out/ and the shape's name, or the design's own folder]
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Paper that assembly sheets and patterns are printed on
-    #[arg(long, default_value = "a4")]
-    paper: Paper,
     /// Replace a different design in that folder
     #[arg(long)]
     force: bool,
@@ -33,20 +31,11 @@ pub struct Args {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Paper {
-    A4,
-    Letter,
-}
-
 pub(super) fn run(args: Args) -> Result<(), Failure> {
     let mut order = args.shape.order()?;
     order.force = args.force;
     order.svg_kerf = args.svg_kerf;
-    order.paper = match args.paper {
-        Paper::A4 => job::Paper::A4,
-        Paper::Letter => job::Paper::Letter,
-    };
+    order.batch = args.batch.batch()?;
     let out = args.out.unwrap_or_else(|| default_folder(&args.shape, &order.name));
     let mut screen = Screen::open()?;
     let made = job::make(&order, &Library::open(), &out, &mut screen);
@@ -115,6 +104,8 @@ fn tell(made: &Made, out: &Path) -> Result<(), Failure> {
     }
     let next = if made.files.iter().any(|file| file.ends_with("print.pdf")) {
         "\nto cut it: print print.pdf at 100 %, cut along the lines, and follow assembly.pdf".to_owned()
+    } else if made.files.iter().any(|file| file.extension().is_some_and(|e| e == "plt")) {
+        ": look at parts/ and sheets/*.png\nto cut it: give sheets/*.plt to the cutter as they are, by its own driver or by copying them to its port; then follow assembly.pdf".to_owned()
     } else {
         format!(
             ": look at parts/ and sheets/*.png\nto cut it: furbelow send {o} -m {m} --port PORT  (furbelow ports names them), or load sheets/*.nc into your sender; then follow assembly.pdf",

@@ -3,6 +3,8 @@
 //! A command returns `Result<(), Failure>`; what a [`Failure`] says goes to stderr as a chain, its [`Exit`] becomes the process's exit code.
 //! To add a command: a file with its `Args` and a `run`, a variant in [`Command`], an arm in [`Command::run`].
 
+mod batch;
+mod calibrate;
 mod check;
 mod completions;
 mod connection;
@@ -19,15 +21,18 @@ mod keyboard;
 mod machine;
 mod machine_probe;
 mod make;
+mod nest;
 mod order;
 mod output;
 mod placing;
 mod ports;
 mod preview;
 mod profile;
+mod profile_set;
 mod screen;
 mod send;
 mod talk;
+mod today;
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -48,6 +53,8 @@ pub struct Cli {
 pub enum Command {
     /// Turn a shape into sheets of pieces: drawings, G-code and pictures
     Make(make::Args),
+    /// Place outlines, anyone's, close together on sheets, offcuts or a roll
+    Nest(nest::Args),
     /// Design files: make one, look at its parts, change how dense they are
     #[command(subcommand)]
     Design(design::Command),
@@ -74,9 +81,12 @@ pub enum Command {
     /// Cutters: list them, show one, check a file of your own, make one of what a board tells
     #[command(subcommand)]
     Machine(machine::Command),
-    /// Sheet materials: list them, show one, check a file of your own
+    /// Sheet materials: list them, show one, check a file of your own, set values
     #[command(subcommand)]
-    Profile(files::Command),
+    Profile(profile::Command),
+    /// Test cards: how strong to cut, how wide the kerf, how stiff the sheet
+    #[command(subcommand)]
+    Calibrate(calibrate::Command),
     /// Print a completion script for a shell
     Completions(completions::Args),
 }
@@ -86,6 +96,7 @@ impl Command {
     pub fn run(self) -> Result<(), Failure> {
         match self {
             Command::Make(args) => make::run(args),
+            Command::Nest(args) => nest::run(&args),
             Command::Design(command) => design::run(command),
             Command::Check(args) => check::run(&args),
             Command::Preview(args) => preview::run(args),
@@ -99,6 +110,7 @@ impl Command {
             Command::Ports(args) => ports::run(&args),
             Command::Machine(command) => machine::run(command),
             Command::Profile(command) => profile::run(command),
+            Command::Calibrate(command) => calibrate::run(command),
             Command::Completions(args) => completions::run(args),
         }
     }

@@ -23,6 +23,9 @@ pub(super) struct Shape {
     /// Sheets to cut from: A4, A3, or WxH in mm, with @N for how many there are; several in order of preference
     #[arg(long, value_name = "A4|A3|WxH[@N]", value_delimiter = ',')]
     stock: Vec<String>,
+    /// Cut from a roll of this width instead of sheets
+    #[arg(long, value_name = "MM", conflicts_with = "stock")]
+    roll: Option<f64>,
     /// Scale the shape to this height
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     height_mm: Option<f64>,
@@ -35,6 +38,9 @@ pub(super) struct Shape {
     /// How the bottom stands [default: auto, free where it stands by itself]
     #[arg(long)]
     foot: Option<Foot>,
+    /// Paper that assembly sheets and patterns are printed on [default: a4]
+    #[arg(long)]
+    paper: Option<Paper>,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -49,6 +55,12 @@ enum Foot {
     Auto,
     Free,
     Pinned,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Paper {
+    A4,
+    Letter,
 }
 
 impl Shape {
@@ -83,7 +95,7 @@ impl Shape {
         Overrides {
             machine: self.machine.clone(),
             material: self.material.clone(),
-            stock: self.stock.clone(),
+            stock: self.roll.map_or_else(|| self.stock.clone(), |width_mm| vec![format!("roll {width_mm}")]),
             height_mm: self.height_mm,
             up: self.up.map(|up| match up {
                 Up::X => design::Up::X,
@@ -95,6 +107,10 @@ impl Shape {
                 Foot::Auto => design::Foot::Auto,
                 Foot::Free => design::Foot::Free,
                 Foot::Pinned => design::Foot::Pinned,
+            }),
+            paper: self.paper.map(|paper| match paper {
+                Paper::A4 => design::Paper::A4,
+                Paper::Letter => design::Paper::Letter,
             }),
         }
     }

@@ -19,7 +19,7 @@ const PNG_PX: u32 = 2400;
 /// Arguments of `preview`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// G-code, furbelow's or any other program's; `-` for stdin
+    /// G-code or a plot, furbelow's or any other program's; `-` for stdin
     job: PathBuf,
     /// Machine it runs on (see `furbelow machine list`), or a path [default: the one the file names]
     #[arg(short, long)]

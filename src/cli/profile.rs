@@ -1,21 +1,30 @@
-//! `furbelow profile list | show | check | schema`
+//! `furbelow profile list | show | check | set | schema`
 
 use serde_json::json;
 
-use super::Failure;
-use super::files::Command;
 use super::output::{checklist, fact, json, line, number, own_folder, percent, read_argument, table};
+use super::{Failure, files, profile_set};
 use crate::config::{
     self, Grain, Joint, Kind, Library, ProcessKind, ProcessRow, Profile, Stock, StockGrain, ToolClass, Verdict,
 };
 
+/// What to do with profiles.
+#[derive(Debug, clap::Subcommand)]
+pub enum Command {
+    #[command(flatten)]
+    Files(files::Command),
+    /// Write values into a profile of your own, comments kept
+    Set(profile_set::Args),
+}
+
 pub(super) fn run(command: Command) -> Result<(), Failure> {
     let library = Library::open();
     match command {
-        Command::List { json } => list(&library, json),
-        Command::Show { name, json } => show(&library.profile(&name)?, json),
-        Command::Check { file } => check(&library, &file),
-        Command::Schema => json(&config::schema(Kind::Profile)),
+        Command::Files(files::Command::List { json }) => list(&library, json),
+        Command::Files(files::Command::Show { name, json }) => show(&library.profile(&name)?, json),
+        Command::Files(files::Command::Check { file }) => check(&library, &file),
+        Command::Files(files::Command::Schema) => json(&config::schema(Kind::Profile)),
+        Command::Set(args) => profile_set::run(&args, &library),
     }
 }
 

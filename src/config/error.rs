@@ -34,6 +34,28 @@ pub enum Error {
         /// At least one, in the order of the file.
         problems: Vec<Problem>,
     },
+    /// The file is no TOML.
+    #[error("{file}")]
+    Toml {
+        /// What messages call it.
+        file: String,
+        /// What is wrong and where.
+        source: toml_edit::TomlError,
+    },
+    /// A process row belongs to a machine, and none was named.
+    #[error("{key} depends on the machine: name it with --machine")]
+    NeedsMachine {
+        /// The key asked for.
+        key: String,
+    },
+    /// A key that names a table where a value is meant, or goes through a value.
+    #[error("{file}: {key} is no single value; name one in it, such as joint.laser.slit_extra_mm")]
+    NoTable {
+        /// What messages call the file.
+        file: String,
+        /// The key asked for.
+        key: String,
+    },
     /// The profile says that this tool must never touch this material.
     #[error("{profile} must not be cut with a {} ({machine}): {reason}; take another machine or another material", class.title())]
     Forbidden {
@@ -98,7 +120,12 @@ impl Error {
     /// are about names and files (exit code 2).
     pub fn refuses_job(&self) -> bool {
         match self {
-            Error::Unknown { .. } | Error::Read { .. } | Error::Invalid { .. } => false,
+            Error::Unknown { .. }
+            | Error::Read { .. }
+            | Error::Invalid { .. }
+            | Error::Toml { .. }
+            | Error::NeedsMachine { .. }
+            | Error::NoTable { .. } => false,
             Error::Forbidden { .. }
             | Error::NoProcess { .. }
             | Error::NeedsCalibration { .. }

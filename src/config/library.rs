@@ -18,13 +18,17 @@ use super::{machine_check, profile_check, read, schema};
 /// Names the folder that stands in for the platform's config folder.
 pub const FOLDER_VARIABLE: &str = "FURBELOW_CONFIG_DIR";
 
-const MACHINES: [(&str, &str); 3] = [
+const MACHINES: [(&str, &str); 6] = [
     ("diode-400", include_str!("../../machines/diode-400.toml")),
+    ("diode-5w", include_str!("../../machines/diode-5w.toml")),
     ("k40", include_str!("../../machines/k40.toml")),
+    ("pen-a3", include_str!("../../machines/pen-a3.toml")),
     ("print", include_str!("../../machines/print.toml")),
+    ("roll-610", include_str!("../../machines/roll-610.toml")),
 ];
 
-const PROFILES: [(&str, &str); 4] = [
+const PROFILES: [(&str, &str); 5] = [
+    ("felt-soft-1", include_str!("../../profiles/felt-soft-1.toml")),
     ("felt-stiff-1", include_str!("../../profiles/felt-stiff-1.toml")),
     ("paper-160", include_str!("../../profiles/paper-160.toml")),
     ("paper-80", include_str!("../../profiles/paper-80.toml")),
@@ -154,6 +158,20 @@ impl Library {
     /// The profile in a text, `file` being what messages call it; a path in `inherits` is looked up from the working directory.
     pub fn profile_in(&self, file: &str, text: String) -> Result<Profile, Error> {
         self.interpret(Found { key: file.to_owned(), file: file.to_owned(), text, folder: None, named: None })
+    }
+
+    /// What messages call the file of that name or path, and its text, the user's before the built-in one. Errors: [`Error::Unknown`], [`Error::Read`].
+    pub(super) fn text(&self, kind: Kind, name_or_path: &str) -> Result<(String, String), Error> {
+        let found = self.find(kind, name_or_path, None, &[])?;
+        Ok((found.file, found.text))
+    }
+
+    /// The file of the user's that changes to `name_or_path` go to: that path, or NAME.toml in their own folder; `None` where there is no such folder.
+    pub fn own_file(&self, kind: Kind, name_or_path: &str) -> Option<PathBuf> {
+        if is_path(name_or_path) {
+            return Some(PathBuf::from(name_or_path));
+        }
+        self.folder(kind).map(|folder| folder.join(format!("{name_or_path}.toml")))
     }
 
     fn load<T: Described>(&self, name: &str) -> Result<T, Error> {

@@ -34,9 +34,15 @@ pub struct Machine {
     pub homing: Option<Corner>,
     /// What cuts.
     pub tool: Tool,
+    /// A pen beside the tool or in its place: labels can then be drawn, first, by programs of their own with the same zero.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pen: Option<SecondPen>,
     /// Air assist switched by the program; absent when it is switched by hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub air: Option<AirCodes>,
+    /// What holds the sheet on the bed.
+    #[serde(default)]
+    pub hold: Hold,
     /// Clamps, magnets and posts that the head must not run into.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub keep_outs: Vec<KeepOut>,
@@ -83,6 +89,8 @@ pub struct Controller {
 pub enum Dialect {
     /// GRBL 1.1 and its kin.
     Grbl,
+    /// HP-GL in steps of 1/40 mm, which most roll cutters speak. The settings of the controller then only serve to estimate times.
+    Hpgl,
     /// No board: nothing can be sent. A file says so by leaving `controller` out.
     #[serde(skip)]
     None,
@@ -110,6 +118,80 @@ pub struct Roll {
     pub feed_axis: Axis,
     /// Longest feed that still tracks straight.
     pub max_length_mm: f64,
+    /// Length of feed made before the next is begun, so that the media is not run back and forth.
+    #[serde(default = "usual_window_mm")]
+    pub window_mm: f64,
+    /// What carries the media through the machine.
+    #[serde(default)]
+    pub backing: Backing,
+}
+
+/// A forearm's length of media: short enough that it does not sag out of line, long enough for most pieces.
+fn usual_window_mm() -> f64 {
+    300.0
+}
+
+/// What carries roll media.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Backing {
+    /// A carrier that is not cut through: liner paper, or a mat.
+    #[default]
+    Carrier,
+    /// Nothing: pieces stay in the media by ticks, and it is cut off across at the end.
+    None,
+}
+
+/// What keeps sheets and what is cut out of them in place on a bed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Hold {
+    /// Nothing, or tape and magnets: thin sheet is held by bridges.
+    #[default]
+    None,
+    /// A tacky mat.
+    Mat,
+    /// A vacuum table.
+    Vacuum,
+}
+
+/// A servo on the spindle's output that swings a pen or a knife; GRBL must run with laser_mode = false ($32=0).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Servo {
+    /// S word for down.
+    pub down_s: f64,
+    /// S word for up.
+    pub up_s: f64,
+    /// Time it takes either way.
+    pub dwell_s: f64,
+}
+
+/// A z axis that lowers and lifts a pen or a knife.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Lift {
+    /// Height on the sheet.
+    pub down_mm: f64,
+    /// Height for travel.
+    pub up_mm: f64,
+    /// Feed of the way down.
+    pub feed_mm_per_min: f64,
+    /// Rest on the sheet before it moves on.
+    #[serde(default)]
+    pub dwell_s: f64,
+}
+
+/// A pen on a machine that cuts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SecondPen {
+    /// Where its tip is, seen from where the tool works: x to the right, y away from the person in front. 0 in the tool's own place.
+    #[serde(default)]
+    pub offset_mm: [f64; 2],
+    /// The z axis that lowers and lifts it; absent where it comes down as the tool does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lift: Option<Lift>,
 }
 
 /// An axis of the machine in the plane of the sheet.
@@ -154,6 +236,18 @@ pub struct Tool {
     /// Power 0..1 a laser may show while it traces the border; absent: the border is traced with the beam off.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame_power_max: Option<f64>,
+    /// The servo that brings a knife or a pen down. A plotter that speaks HP-GL needs neither this nor `lift`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub servo: Option<Servo>,
+    /// The z axis that brings a knife or a pen down.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lift: Option<Lift>,
+    /// Free height under the head while it travels: it passes over what stands no higher. A laser's is from its nozzle to the sheet.
+    #[serde(default)]
+    pub clearance_mm: f64,
+    /// Half the width of the head where it could run into what stands on the bed.
+    #[serde(default)]
+    pub head_radius_mm: f64,
 }
 
 /// The kind of tool.
@@ -226,6 +320,15 @@ impl Machine {
         }
     }
 
+    /// The keep-outs the head cannot pass over, each grown by half the head's width, mm in the work frame: name, x, y, width, height.
+    pub fn obstacles(&self) -> impl Iterator<Item = (&str, [f64; 4])> {
+        let (clearance, r) = (self.tool.clearance_mm, self.tool.head_radius_mm);
+        self.keep_outs
+            .iter()
+            .filter(move |k| k.rise_mm > clearance)
+            .map(move |k| (k.name.as_str(), [k.x_mm - r, k.y_mm - r, k.width_mm + 2.0 * r, k.height_mm + 2.0 * r]))
+    }
+
     /// The fastest feed both axes can run, mm/min.
     pub fn max_feed_mm_per_min(&self) -> f64 {
         self.controller.max_rate_mm_per_min[0].min(self.controller.max_rate_mm_per_min[1])
@@ -263,6 +366,7 @@ impl Dialect {
     pub fn title(self) -> &'static str {
         match self {
             Dialect::Grbl => "GRBL",
+            Dialect::Hpgl => "HP-GL",
             Dialect::None => "none",
         }
     }

@@ -1,7 +1,7 @@
 //! What a machine file may say: ranges of values, and values that must agree.
 
 use super::check::Checker;
-use super::machine::{Machine, Tool, ToolClass};
+use super::machine::{Dialect, Lift, Machine, SecondPen, Servo, Tool, ToolClass};
 
 pub(super) fn check(machine: &Machine, checker: &mut Checker<'_>) {
     checker.schema(machine.schema);
@@ -16,6 +16,7 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker<'_>) {
     }
     reach(machine, checker);
     tool(&machine.tool, checker);
+    lift(machine, checker);
     let laser_mode = machine.controller.laser_mode || !machine.tool.class.is_laser();
     checker.require(
         laser_mode,
@@ -69,6 +70,7 @@ fn reach(machine: &Machine, checker: &mut Checker<'_>) {
             checker.positive("roll.media_width_mm", roll.media_width_mm);
             checker.within("roll.pinch_margin_mm", roll.pinch_margin_mm, 0.0, roll.media_width_mm / 2.0);
             checker.positive("roll.max_length_mm", roll.max_length_mm);
+            checker.positive("roll.window_mm", roll.window_mm);
         }
         (Some(_), Some(_)) => checker.problem("roll", "a machine has `work_area` or `roll`, not both"),
         (None, None) => checker.problem("work_area", "neither `work_area` nor `roll`: what does the tool reach?"),
@@ -89,4 +91,52 @@ fn tool(tool: &Tool, checker: &mut Checker<'_>) {
         let message = "a CO2 beam is invisible and burns even when weak: the border is traced with the beam off";
         checker.require(tool.class != ToolClass::Co2, "tool.frame_power_max", message);
     }
+}
+
+fn lift(machine: &Machine, checker: &mut Checker<'_>) {
+    let laser = machine.tool.class.is_laser();
+    let speaks_grbl = machine.controller.dialect == Dialect::Grbl;
+    checker.require(
+        !laser || speaks_grbl,
+        "controller.dialect",
+        "HP-GL knows no power: a laser needs dialect = \"grbl\"",
+    );
+    match machine.pen {
+        Some(_) if matches!(machine.tool.class, ToolClass::Pen | ToolClass::Scissors) => {
+            checker.problem("pen", "a second pen beside a laser or a knife; this machine draws with its own tool: leave this out");
+        }
+        Some(SecondPen { lift: None, .. }) if laser => checker.problem(
+            "pen",
+            "a pen beside a laser needs `lift` = { down_mm, up_mm, feed_mm_per_min }: how does it come down? (a servo would take the laser's own output)",
+        ),
+        Some(SecondPen { lift: Some(lift), .. }) => z_lift("pen.lift", lift, checker),
+        Some(SecondPen { lift: None, .. }) | None => {}
+    }
+    checker.at_least("tool.clearance_mm", machine.tool.clearance_mm, 0.0);
+    checker.at_least("tool.head_radius_mm", machine.tool.head_radius_mm, 0.0);
+    match (machine.tool.servo, machine.tool.lift) {
+        (None, None) if laser || !speaks_grbl => {}
+        (None, None) => checker.problem(
+            "tool",
+            "a knife or a pen needs `servo` = { down_s, up_s, dwell_s } or `lift` = { down_mm, up_mm, feed_mm_per_min }: how does it come down?",
+        ),
+        (Some(_), _) if laser => checker.problem("tool.servo", "a laser is not lifted: leave this out"),
+        (_, Some(_)) if laser => checker.problem("tool.lift", "a laser is not lifted: leave this out"),
+        (Some(_), Some(_)) => checker.problem("tool.lift", "a tool has `servo` or `lift`, not both"),
+        (Some(Servo { down_s, up_s, dwell_s }), None) => {
+            checker.within("tool.servo.down_s", down_s, 0.0, machine.controller.max_s);
+            checker.within("tool.servo.up_s", up_s, 0.0, machine.controller.max_s);
+            checker.at_least("tool.servo.dwell_s", dwell_s, 0.0);
+            checker.require(down_s != up_s, "tool.servo.up_s", "up and down are the same");
+            let message = "a servo needs laser_mode = false ($32=0): in laser mode its output is off on every travel";
+            checker.require(!machine.controller.laser_mode, "controller.laser_mode", message);
+        }
+        (None, Some(lift)) => z_lift("tool.lift", lift, checker),
+    }
+}
+
+fn z_lift(path: &str, lift: Lift, checker: &mut Checker<'_>) {
+    checker.require(lift.up_mm > lift.down_mm, &format!("{path}.up_mm"), "`up_mm` must lie above down_mm");
+    checker.positive(&format!("{path}.feed_mm_per_min"), lift.feed_mm_per_min);
+    checker.at_least(&format!("{path}.dwell_s"), lift.dwell_s, 0.0);
 }

@@ -21,6 +21,7 @@ mod profile;
 mod profile_check;
 mod read;
 mod schema;
+mod set;
 mod source;
 mod tree;
 
@@ -28,7 +29,8 @@ pub use error::{Error, Kind};
 pub use joint::{Dashes, Holes, Joint, Joints};
 pub use library::{FOLDER_VARIABLE, Library, Listed, Place, jobs_folder};
 pub use machine::{
-    AirCode, AirCodes, Axis, Controller, Corner, Dialect, KeepOut, Machine, Roll, Tool, ToolClass, WorkArea,
+    AirCode, AirCodes, Axis, Backing, Controller, Corner, Dialect, Hold, KeepOut, Lift, Machine, Roll, Servo, Tool,
+    ToolClass, WorkArea,
 };
 pub use making::{JointKind, LabelKind, LabelsByTool, Making, SpliceKind, VisibleFace};
 pub use process::{Pairing, Process};
@@ -36,6 +38,7 @@ pub use profile::{
     Air, Allowed, Blade, Bridges, Grain, ProcessKind, ProcessRow, Profile, Splice, Stock, StockGrain, Verdict,
 };
 pub use schema::schema;
+pub use set::Changes;
 pub use source::Problem;
 
 #[cfg(test)]

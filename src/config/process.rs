@@ -7,6 +7,7 @@
 use crate::progress::Warning;
 
 use super::error::Error;
+use super::joint::Dashes;
 use super::machine::{Machine, ToolClass};
 use super::profile::{Air, Blade, Bridges, ProcessKind, ProcessRow, Profile, Verdict};
 
@@ -20,6 +21,8 @@ pub struct Pairing {
     pub cut: Process,
     /// Labels and marks on its surface; `None` where this tool leaves nothing legible or cuts through.
     pub engrave: Option<Process>,
+    /// Drawing with the machine's pen, where it has one beside the tool or in its place.
+    pub pen: Option<Process>,
     /// What the user should know: "test this pair first", "uncalibrated".
     pub warnings: Vec<Warning>,
 }
@@ -35,13 +38,23 @@ pub struct Process {
     pub power: f64,
     /// Air assist.
     pub air: Air,
-    /// How often every path is run.
-    pub passes: u32,
+    /// Share of `power` in every pass, one entry a pass; never empty.
+    pub pass_power: Vec<f64>,
+    /// How much lower the tool is set for each pass after the first, mm.
+    pub z_step_mm: f64,
+    /// Lead-in and lead-out, mm, when the profile says.
+    pub lead_mm: Option<f64>,
+    /// How far closed contours run on over their start, mm, when the profile says.
+    pub overcut_mm: Option<f64>,
+    /// Least distance of a cut's start from the last one's end, mm.
+    pub cool_mm: f64,
+    /// Dashes instead of lines.
+    pub perforation: Option<Dashes>,
     /// Uncut stretches that hold the pieces, if the material wants any.
     pub bridges: Option<Bridges>,
     /// The blade and its pressure, for drag knives.
     pub blade: Option<Blade>,
-    /// True when the values were measured on this very machine.
+    /// True when the values were measured on this very machine, and for a pen, which needs none.
     pub calibrated: bool,
     /// Where the values come from, in the profile's words.
     pub source: String,
@@ -53,9 +66,18 @@ impl Machine {
     /// Errors: [`Error::Forbidden`] when the profile says never, [`Error::NoProcess`] when it has no row for the tool,
     /// [`Error::NeedsCalibration`] and [`Error::TooStrong`] when its values cannot be carried over.
     pub fn pair(&self, profile: &Profile) -> Result<Pairing, Error> {
+        self.pair_within(profile, RESCALE_FACTOR)
+    }
+
+    /// What to begin measuring with: as [`Machine::pair`], but the values of a laser of any power are carried over.
+    pub fn trial(&self, profile: &Profile) -> Result<Pairing, Error> {
+        self.pair_within(profile, f64::INFINITY)
+    }
+
+    fn pair_within(&self, profile: &Profile, factor: f64) -> Result<Pairing, Error> {
         if self.tool.class == ToolClass::Scissors {
             let cut = by_hand();
-            return Ok(Pairing { engrave: Some(cut.clone()), cut, warnings: Vec::new() });
+            return Ok(Pairing { engrave: Some(cut.clone()), cut, pen: None, warnings: Vec::new() });
         }
         let mut warnings = Vec::new();
         match profile.allowed.for_tool(self.tool.class) {
@@ -71,17 +93,26 @@ impl Machine {
             (Some(Verdict::Test), reason) => warnings.push(test_first(self, profile, reason.unwrap_or_default())),
             (None, _) => warnings.push(test_first(self, profile, "the profile does not say whether that works")),
         }
-        let row = nearest_row(self, profile, ProcessKind::Cut).ok_or_else(|| no_process(self, profile))?;
-        let cut = carry_over(self, profile, row)?;
-        let engrave = match nearest_row(self, profile, ProcessKind::Engrave).map(|row| carry_over(self, profile, row)) {
-            Some(Ok(engrave)) => Some(engrave),
-            // Labels can be written by hand: no reason to refuse the job.
-            Some(Err(error)) => {
-                warnings.push(Warning::new("no-engraving", format!("nothing will be engraved: {error}")));
-                None
-            }
-            None => None,
-        };
+        let pen = self.tool.class == ToolClass::Pen;
+        let cuts = if pen { ProcessKind::Engrave } else { ProcessKind::Cut };
+        let row = nearest_row(self, profile, cuts).ok_or_else(|| no_process(self, profile))?;
+        let mut cut = carry_over(self, profile, row, factor)?;
+        if pen {
+            // Nothing of a line needs measuring first.
+            cut.calibrated = true;
+            let message = format!("{} draws the lines and cuts nothing: cut by hand along them", self.name);
+            warnings.push(Warning::new("drawn-only", message));
+        }
+        let engrave =
+            match nearest_row(self, profile, ProcessKind::Engrave).map(|row| carry_over(self, profile, row, factor)) {
+                Some(Ok(engrave)) => Some(engrave),
+                // Labels can be written by hand: no reason to refuse the job.
+                Some(Err(error)) => {
+                    warnings.push(Warning::new("no-engraving", format!("nothing will be engraved: {error}")));
+                    None
+                }
+                None => None,
+            };
         if !cut.calibrated {
             warnings.push(Warning::new(
                 "uncalibrated",
@@ -91,7 +122,8 @@ impl Machine {
                 ),
             ));
         }
-        Ok(Pairing { cut, engrave, warnings })
+        let pen = drawn(self, profile)?;
+        Ok(Pairing { cut, engrave, pen, warnings })
     }
 }
 
@@ -105,7 +137,12 @@ fn by_hand() -> Process {
         feed_mm_per_min: HAND_MM_PER_MIN,
         power: 0.0,
         air: Air::Off,
-        passes: 1,
+        pass_power: vec![1.0],
+        z_step_mm: 0.0,
+        lead_mm: None,
+        overcut_mm: None,
+        cool_mm: 0.0,
+        perforation: None,
         bridges: None,
         blade: None,
         calibrated: true,
@@ -144,7 +181,11 @@ fn no_process(machine: &Machine, profile: &Profile) -> Error {
 }
 
 /// The row for this tool and operation: one measured on this machine, else the one whose power is nearest as a ratio. Of equals the first.
-fn nearest_row<'a>(machine: &Machine, profile: &'a Profile, operation: ProcessKind) -> Option<&'a ProcessRow> {
+pub(super) fn nearest_row<'a>(
+    machine: &Machine,
+    profile: &'a Profile,
+    operation: ProcessKind,
+) -> Option<&'a ProcessRow> {
     let distance = |row: &ProcessRow| match (row.reference_power_w, machine.tool.optical_power_w) {
         (Some(reference), Some(actual)) => (reference / actual).ln().abs(),
         _ => 0.0,
@@ -157,15 +198,25 @@ fn nearest_row<'a>(machine: &Machine, profile: &'a Profile, operation: ProcessKi
         .min_by(|a, b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)))
 }
 
+/// How the machine's pen draws, if it has one and the material takes it.
+fn drawn(machine: &Machine, profile: &Profile) -> Result<Option<Process>, Error> {
+    let (verdict, _) = profile.allowed.for_tool(ToolClass::Pen);
+    if machine.pen.is_none() || verdict == Some(Verdict::Never) {
+        return Ok(None);
+    }
+    let row = profile.process.iter().find(|r| r.tool == ToolClass::Pen && r.operation == ProcessKind::Engrave);
+    row.map(|row| carry_over(machine, profile, row, RESCALE_FACTOR)).transpose()
+}
+
 fn measured_here(machine: &Machine, row: &ProcessRow) -> bool {
     row.measured_on.as_deref() == Some(machine.name.as_str())
 }
 
-fn carry_over(machine: &Machine, profile: &Profile, row: &ProcessRow) -> Result<Process, Error> {
+fn carry_over(machine: &Machine, profile: &Profile, row: &ProcessRow, factor: f64) -> Result<Process, Error> {
     let limit = machine.max_feed_mm_per_min();
     let (feed_mm_per_min, power) = match (row.power, row.reference_power_w, machine.tool.optical_power_w) {
         (Some(power), Some(reference), Some(actual)) if row.tool.is_laser() => {
-            rescale(machine, profile, row, [power, reference, actual])?
+            rescale(machine, profile, row, [power, reference, actual], factor)?
         }
         _ => (row.feed_mm_per_min.min(limit), row.power.unwrap_or(0.0)),
     };
@@ -174,7 +225,16 @@ fn carry_over(machine: &Machine, profile: &Profile, row: &ProcessRow) -> Result<
         feed_mm_per_min,
         power,
         air: row.air,
-        passes: row.passes,
+        pass_power: if row.pass_power.is_empty() {
+            vec![1.0; row.passes.max(1) as usize]
+        } else {
+            row.pass_power.clone()
+        },
+        z_step_mm: row.z_step_mm,
+        lead_mm: row.lead_mm,
+        overcut_mm: row.overcut_mm,
+        cool_mm: row.cool_mm,
+        perforation: row.perforation,
         bridges: row.bridges,
         blade: row.blade,
         calibrated: measured_here(machine, row),
@@ -182,16 +242,17 @@ fn carry_over(machine: &Machine, profile: &Profile, row: &ProcessRow) -> Result<
     })
 }
 
-/// Feed and power that leave the row's energy per length: the row's feed where it can be had, another where power would leave floor..1.
+/// Feed and power that leave the row's energy per length, for watts within `factor` of the row's: the row's feed where it can be had, another where power would leave floor..1.
 fn rescale(
     machine: &Machine,
     profile: &Profile,
     row: &ProcessRow,
     [power, reference_power_w, power_w]: [f64; 3],
+    factor: f64,
 ) -> Result<(f64, f64), Error> {
     let ratio = power_w / reference_power_w;
     // A hair beyond the factor is rounding, not another laser.
-    if !(1.0 / RESCALE_FACTOR - 1e-9..=RESCALE_FACTOR + 1e-9).contains(&ratio) {
+    if !(1.0 / factor - 1e-9..=factor + 1e-9).contains(&ratio) {
         return Err(Error::NeedsCalibration {
             machine: machine.name.clone(),
             profile: profile.name.clone(),
@@ -229,7 +290,6 @@ fn rescale(
 #[cfg(test)]
 mod tests {
     use super::super::library::Library;
-    use super::super::machine::ToolClass;
     use super::*;
 
     fn machine(name: &str) -> Machine {
@@ -329,12 +389,21 @@ mod tests {
     }
 
     #[test]
+    fn a_machine_with_a_pen_can_draw_what_it_cuts() {
+        let mut roll = machine("roll-610");
+        let pair = roll.pair(&profile("paper-160")).expect("allowed");
+        assert!(pair.engrave.is_none() && pair.pen.is_some_and(|pen| pen.feed_mm_per_min == 4000.0));
+        roll.pen = None;
+        assert_eq!(roll.pair(&profile("paper-160")).expect("allowed").pen, None);
+    }
+
+    #[test]
     fn clear_film_on_a_diode_is_refused_with_the_reason() {
         let error = machine("diode-400").pair(&profile("polyester-0.1")).expect_err("never");
         assert!(error.refuses_job());
         let text = error.to_string();
         assert!(text.contains("polyester-0.1") && text.contains("450 nm"), "{text}");
-        assert!(machine("k40").pair(&profile("polyester-0.1")).expect("allowed").engrave.is_none());
+        assert!(machine("k40").pair(&profile("paper-80")).expect("allowed").engrave.is_none());
     }
 
     #[test]
@@ -344,7 +413,7 @@ mod tests {
         let pair = knife.pair(&profile("felt-stiff-1")).expect("test");
         assert_eq!(pair.warnings[0].code, "test-first");
         assert!(pair.warnings[0].message.contains("tears"), "{}", pair.warnings[0].message);
-        assert_eq!((pair.cut.power, pair.cut.kerf_mm, pair.cut.passes), (0.0, 0.0, 2));
+        assert_eq!((pair.cut.power, pair.cut.kerf_mm, pair.cut.pass_power.len()), (0.0, 0.0, 2));
         let mut silent = profile("paper-80");
         silent.allowed.knife = None;
         assert_eq!(knife.pair(&silent).expect("test").warnings[0].code, "test-first");

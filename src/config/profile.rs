@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::joint::{Joint, Joints};
+use super::joint::{Dashes, Joint, Joints};
 use super::machine::ToolClass;
 use super::making::{LabelsByTool, SpliceKind};
 
@@ -49,6 +49,9 @@ pub struct Profile {
     pub spacing_mm: f64,
     /// Distance between pieces and the edge of the stock.
     pub margin_mm: f64,
+    /// Straight edges that two pieces share are cut once. Needs spacing_mm = 0: pieces then lie a kerf apart.
+    #[serde(default)]
+    pub common_edges: bool,
     /// Sheets and rolls at hand, in the order they are used.
     pub stock: Vec<Stock>,
     /// Flap and slit.
@@ -217,6 +220,25 @@ pub struct ProcessRow {
     /// How often every path is run.
     #[serde(default = "once")]
     pub passes: u32,
+    /// Power of every pass as a share of `power`, where it is not the same for all: [1, 0.8].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pass_power: Vec<f64>,
+    /// How much lower the tool is set for each pass after the first.
+    #[serde(default)]
+    pub z_step_mm: f64,
+    /// Lead-in, and lead-out, beside outlines and holes, on what falls away; absent: 1 mm where a beam of constant power would mark its start, and in
+    /// sheet above 0.3 mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lead_mm: Option<f64>,
+    /// How far a closed contour is run on over its start; absent: twice a blade's trail, nothing for a laser.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub overcut_mm: Option<f64>,
+    /// Each cut begins at least this far from where the last one ended, so that thin sheet cools; absent: anywhere.
+    #[serde(default)]
+    pub cool_mm: f64,
+    /// Dashes instead of lines: marks that are pricked through where nothing shows on the surface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub perforation: Option<Dashes>,
     /// Uncut stretches that hold the pieces in the sheet; absent: none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bridges: Option<Bridges>,

@@ -8,6 +8,9 @@ use super::profile::{Grain, ProcessKind, ProcessRow, Profile, Stock, Verdict};
 /// A blade cannot turn a smaller radius (materials practice: details below are torn, not cut).
 const LEAST_KNIFE_RADIUS_MM: f64 = 1.0;
 
+/// Sheets up to this thick, mm, are cut in one pass by a laser (materials practice).
+const ONE_PASS_MM: f64 = 0.3;
+
 pub(super) fn check(profile: &Profile, checker: &mut Checker<'_>) {
     checker.schema(profile.schema);
     checker.name("name", &profile.name);
@@ -34,6 +37,12 @@ pub(super) fn check(profile: &Profile, checker: &mut Checker<'_>) {
     checker.text("splice.source", &profile.splice.source);
     for (index, row) in profile.process.iter().enumerate() {
         process(row, &format!("process.{index}"), checker);
+        let again = row.tool.is_laser() && row.operation == ProcessKind::Cut && row.passes > 1;
+        checker.require(
+            profile.thickness_mm > ONE_PASS_MM || !again,
+            &format!("process.{index}.passes"),
+            "a sheet this thin is cut in one pass: what hangs loose catches fire in a second; lower the feed instead",
+        );
         if profile.process[..index].iter().any(|other| same_case(other, row)) {
             checker.problem(
                 &format!("process.{index}"),
@@ -55,6 +64,8 @@ fn sheet(profile: &Profile, checker: &mut Checker<'_>) {
     checker.positive("min_void_mm", profile.min_void_mm);
     checker.positive("min_label_height_mm", profile.min_label_height_mm);
     checker.at_least("spacing_mm", profile.spacing_mm, 0.0);
+    let message = "shared edges need spacing_mm = 0: pieces further apart share none";
+    checker.require(!profile.common_edges || profile.spacing_mm == 0.0, "common_edges", message);
     checker.at_least("margin_mm", profile.margin_mm, 0.0);
     let same = profile.flexural_rigidity_md_n_mm == profile.flexural_rigidity_cd_n_mm;
     checker.require(
@@ -191,6 +202,24 @@ fn process(row: &ProcessRow, path: &str, checker: &mut Checker<'_>) {
         (ProcessKind::Engrave, Some(_)) => checker.problem(&at("kerf_mm"), "engraving removes no kerf: leave it out"),
         (ProcessKind::Engrave, None) => {}
     }
+    if !row.pass_power.is_empty() {
+        let message = format!("`pass_power` names {} passes and `passes` is {}", row.pass_power.len(), row.passes);
+        checker.require(row.pass_power.len() == row.passes as usize, &at("pass_power"), &message);
+        for (index, share) in row.pass_power.iter().enumerate() {
+            checker.power(&at(&format!("pass_power.{index}")), *share);
+        }
+    }
+    checker.at_least(&at("z_step_mm"), row.z_step_mm, 0.0);
+    checker.at_least(&at("cool_mm"), row.cool_mm, 0.0);
+    checker.at_least(&at("lead_mm"), row.lead_mm.unwrap_or(0.0), 0.0);
+    checker.at_least(&at("overcut_mm"), row.overcut_mm.unwrap_or(0.0), 0.0);
+    if let Some(dashes) = row.perforation {
+        checker.positive(&at("perforation.cut_mm"), dashes.cut_mm);
+        checker.positive(&at("perforation.gap_mm"), dashes.gap_mm);
+    }
+    if row.tool == ToolClass::Pen && row.operation == ProcessKind::Cut {
+        checker.problem(&at("operation"), "a pen draws and cuts nothing: say operation = \"engrave\"");
+    }
     if let Some(bridges) = row.bridges {
         checker.positive(&at("bridges.width_mm"), bridges.width_mm);
         let message = "`pitch_mm` must be greater than the bridge's width";
@@ -215,11 +244,13 @@ fn allowed(profile: &Profile, checker: &mut Checker<'_>) {
         if matches!(verdict, Some(Verdict::Test | Verdict::Never)) && reason.is_none_or(|r| r.trim().is_empty()) {
             checker.problem(&path, format!("say why in `{}_reason`", class.word()));
         }
-        let cuts = profile.process.iter().any(|r| r.tool == class && r.operation == ProcessKind::Cut);
-        // A pen cuts nothing and a person needs no numbers, so these have no row to show.
-        let needs_row = !matches!(class, ToolClass::Pen | ToolClass::Scissors);
+        // A pen cuts nothing: it draws the lines. A person needs no numbers.
+        let kind = if class == ToolClass::Pen { ProcessKind::Engrave } else { ProcessKind::Cut };
+        let cuts = profile.process.iter().any(|r| r.tool == class && r.operation == kind);
+        let needs_row = class != ToolClass::Scissors;
         if matches!(verdict, Some(Verdict::Yes | Verdict::Test)) && needs_row && !cuts {
-            checker.problem(&path, format!("allowed, but no [[process]] says how a {} cuts it", class.title()));
+            let does = if class == ToolClass::Pen { "draws on" } else { "cuts" };
+            checker.problem(&path, format!("allowed, but no [[process]] says how a {} {does} it", class.title()));
         }
         if verdict == Some(Verdict::Never) && cuts {
             checker.problem(&path, format!("never, and yet a [[process]] says how a {} cuts it", class.title()));

@@ -115,9 +115,9 @@ fn a_users_file_goes_first_and_may_build_on_the_built_in_of_its_own_name() {
     let library = Library::with_folder(folder.path());
     let names: Vec<_> =
         library.names(Kind::Machine).expect("readable").into_iter().map(|l| (l.name, l.place)).collect();
-    assert_eq!(names.len(), 4);
+    assert_eq!(names.len(), 7);
     assert_eq!(names[0], ("diode-400".into(), Place::BuiltIn));
-    assert_eq!(names[1], ("k40".into(), Place::File(folder.path().join("machines/k40.toml"))));
+    assert_eq!(names[2], ("k40".into(), Place::File(folder.path().join("machines/k40.toml"))));
     let mine = library.machine("mine").expect("in order");
     // From the file itself, from the user's k40, and from the built-in k40.
     assert_eq!((mine.title.as_str(), mine.reach_mm()), ("Mine", [280.0, 200.0]));
@@ -221,6 +221,19 @@ fn a_blade_gets_no_detail_it_cannot_turn() {
 }
 
 #[test]
+fn thin_sheet_is_burnt_once_and_thick_as_often_as_it_takes() {
+    let twice = "[[process]]\ntool = 'co2'\noperation = 'cut'\nreference_power_w = 40\nfeed_mm_per_min = 900\npower = 0.2\nkerf_mm = 0.2\npasses = 2\nsource = 'x'";
+    let profile = |thickness: f64| {
+        let text = format!("schema = 1\nname = 'x'\ninherits = 'felt-soft-1'\nthickness_mm = {thickness}\n{twice}");
+        Library::built_in().profile_in("x.toml", text)
+    };
+    let found = problems(profile(0.2).expect_err("thin"));
+    assert!(found.iter().any(|p| p.1 == 12 && p.3.contains("one pass")), "{found:?}");
+    let thick = profile(1.0).map_err(problems);
+    assert!(!matches!(&thick, Err(found) if found.iter().any(|p| p.3.contains("one pass"))), "{thick:?}");
+}
+
+#[test]
 fn a_machine_must_agree_with_itself() {
     let library = Library::built_in();
     let wrong = |base: &str, text: &str| {
@@ -231,6 +244,8 @@ fn a_machine_must_agree_with_itself() {
     assert!(found[0].1 == 5 && found[0].3.contains("max_travel_mm = 400"), "{found:?}");
     assert!(wrong("diode-400", "[controller]\nlaser_mode = false")[0].3.contains("$32"));
     assert!(wrong("k40", "[tool]\nframe_power_max = 0.01")[0].3.contains("invisible"));
+    assert!(wrong("k40", "[pen]\noffset_mm = [-25, 0]")[0].3.contains("`lift`"));
+    assert!(wrong("pen-a3", "[pen]\noffset_mm = [-25, 0]")[0].3.contains("its own tool"));
     let roll = "[roll]\nmedia_width_mm = 610\npinch_margin_mm = 20\nfeed_axis = 'y'\nmax_length_mm = 1000";
     assert!(wrong("k40", roll)[0].3.contains("not both"));
     let found = wrong("k40", "[controller]\nacceleration_mm_per_s2 = [100, 0, 5]\nmax_s = 0");
@@ -244,7 +259,13 @@ fn a_machine_must_agree_with_itself() {
 fn a_roll_machine_reaches_between_its_pinch_rollers() {
     let mut machine = Library::built_in().machine("k40").expect("in order");
     machine.work_area = None;
-    machine.roll =
-        Some(Roll { media_width_mm: 610.0, pinch_margin_mm: 20.0, feed_axis: Axis::Y, max_length_mm: 1000.0 });
+    machine.roll = Some(Roll {
+        media_width_mm: 610.0,
+        pinch_margin_mm: 20.0,
+        feed_axis: Axis::Y,
+        max_length_mm: 1000.0,
+        window_mm: 300.0,
+        backing: Backing::Carrier,
+    });
     assert_eq!(machine.reach_mm(), [570.0, 1000.0]);
 }

@@ -28,22 +28,49 @@ impl Design {
                 return wrong(key("name"), "is used twice");
             }
         }
+        self.check_edits(file)?;
+        self.taken_apart().check_apart(file)
+    }
+
+    fn check_edits(&self, file: &str) -> Result<(), Error> {
+        let mut names: Vec<&str> = self.parts.iter().map(|p| p.name.as_str()).collect();
         for (i, edit) in self.edits.iter().enumerate() {
-            let key = || format!("edit {} ({edit})", i + 1);
-            if !self.parts.iter().any(|p| p.name == edit.part()) {
-                let names: Vec<&str> = self.parts.iter().map(|p| p.name.as_str()).collect();
-                let problem = format!("names a part that is not there; parts are {}", names.join(", "));
-                return Err(Error::Value { file: file.into(), key: key(), problem });
+            let wrong = |problem: &str| {
+                Err(Error::Value {
+                    file: file.into(),
+                    key: format!("edit {} ({edit})", i + 1),
+                    problem: problem.into(),
+                })
+            };
+            let part = edit.part();
+            if !names.contains(&part) {
+                return wrong(&format!("names a part that is not there; parts are {}", names.join(", ")));
             }
             if let Some(problem) = edit.problem() {
-                return wrong(key(), problem);
+                return wrong(problem);
             }
-            let own_shape = |p: &&PartDesign| p.name == edit.part() && p.width_mm.is_some();
-            if matches!(edit, Edit::Plane { .. }) && self.parts.iter().any(|p| own_shape(&p)) {
-                return wrong(key(), "cuts a mesh, and this part has none");
+            let own_shape = self.parts.iter().any(|p| p.name == part && p.width_mm.is_some());
+            if matches!(edit, Edit::Plane { .. } | Edit::Split { .. }) && own_shape {
+                return wrong("cuts a mesh, and this part has none");
+            }
+            if let Edit::Split { new, .. } = edit {
+                if let Some((_, problem)) = name_problem(new) {
+                    return wrong(&format!("gives the new part a name that {problem}"));
+                }
+                if names.iter().any(|name| name.eq_ignore_ascii_case(new)) {
+                    return wrong(&format!("gives the new part the name of another, {new}"));
+                }
+                // What is left of the part has another stack, with other numbers.
+                let counted = |e: &&Edit| e.part() == part && (e.changes_strip() || matches!(e, Edit::Layers { .. }));
+                if let Some(before) = self.edits[..i].iter().find(counted) {
+                    return wrong(&format!(
+                        "comes after '{before}', which counts layers or sections of the part as it was: take that back first"
+                    ));
+                }
+                names.push(new);
             }
         }
-        self.check_apart(file)
+        Ok(())
     }
 }
 

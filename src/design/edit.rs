@@ -1,6 +1,6 @@
 //! What a user changed after the first look, one entry for each command: the list is the history, and undoing takes the last one away.
 
-use super::{Design, Direction, PartDesign, PlaneSource, Stack};
+use super::{Design, Direction, PartDesign, PlaneSource, Split, Stack};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -78,6 +78,17 @@ pub enum Edit {
         /// Its normal, of any length.
         normal: [f64; 3],
     },
+    /// A part cut in two; what lies ahead of the plane is a part of its own from then on.
+    Split {
+        /// The part; what lies behind the plane keeps its name.
+        part: String,
+        /// A point on the plane, mesh frame, mm.
+        origin_mm: [f64; 3],
+        /// Its normal, of any length.
+        normal: [f64; 3],
+        /// Name of the new part.
+        new: String,
+    },
 }
 
 /// The clean stack that numbers were read from, written down with the first edit that names sections: a program that chooses better another day must not
@@ -109,7 +120,8 @@ impl Edit {
             | Edit::Length { part, .. }
             | Edit::MovePoint { part, .. }
             | Edit::Layers { part, .. }
-            | Edit::Plane { part, .. } => part,
+            | Edit::Plane { part, .. }
+            | Edit::Split { part, .. } => part,
         }
     }
 
@@ -120,7 +132,7 @@ impl Edit {
             | Edit::Undensify { on, .. }
             | Edit::Length { on, .. }
             | Edit::MovePoint { on, .. } => *on,
-            Edit::Layers { .. } | Edit::Plane { .. } => None,
+            Edit::Layers { .. } | Edit::Plane { .. } | Edit::Split { .. } => None,
         }
     }
 
@@ -131,13 +143,13 @@ impl Edit {
             | Edit::Undensify { on, .. }
             | Edit::Length { on, .. }
             | Edit::MovePoint { on, .. } => *on = Some(base),
-            Edit::Layers { .. } | Edit::Plane { .. } => {}
+            Edit::Layers { .. } | Edit::Plane { .. } | Edit::Split { .. } => {}
         }
     }
 
     /// True for what changes the drawn strip; false for what decides how it is drawn to begin with.
     pub fn changes_strip(&self) -> bool {
-        !matches!(self, Edit::Layers { .. } | Edit::Plane { .. })
+        !matches!(self, Edit::Layers { .. } | Edit::Plane { .. } | Edit::Split { .. })
     }
 
     /// What makes no sense about it, whatever the part.
@@ -164,7 +176,9 @@ impl Edit {
                 Some("needs finite numbers in to_mm")
             }
             Edit::Layers { layers: 0, .. } => Some("layers must be at least 1"),
-            Edit::Plane { origin_mm, normal, .. } => PlaneSource { origin_mm: *origin_mm, normal: *normal }.problem(),
+            Edit::Plane { origin_mm, normal, .. } | Edit::Split { origin_mm, normal, .. } => {
+                PlaneSource { origin_mm: *origin_mm, normal: *normal }.problem()
+            }
             _ => None,
         }
     }
@@ -192,6 +206,9 @@ impl fmt::Display for Edit {
             Edit::Layers { part, layers } => write!(f, "layers {part} {layers}"),
             Edit::Plane { part, origin_mm: [x, y, z], normal: [a, b, c] } => {
                 write!(f, "plane {part} through {x}, {y}, {z} mm, normal {a}, {b}, {c}")
+            }
+            Edit::Split { part, origin_mm: [x, y, z], normal: [a, b, c], new } => {
+                write!(f, "split {part} through {x}, {y}, {z} mm, normal {a}, {b}, {c}: {part} and {new}")
             }
         }
     }
@@ -226,6 +243,20 @@ impl Design {
             }
         }
         decided
+    }
+
+    /// This design with every split that is an edit among those of the file, and a part for what it gives.
+    pub fn taken_apart(&self) -> Design {
+        let mut apart = self.clone();
+        for edit in &self.edits {
+            if let Edit::Split { part, origin_mm, normal, new } = edit {
+                let (part, new) = (part.clone(), new.clone());
+                let into = [part.clone(), new.clone()];
+                apart.splits.push(Split { part: Some(part), origin_mm: *origin_mm, normal: *normal, into });
+                apart.parts.push(PartDesign::new(&new));
+            }
+        }
+        apart
     }
 
     /// Takes the last edit away.
@@ -320,6 +351,9 @@ pub(crate) mod tests {
     #[test]
     fn what_is_wrong_with_an_edit_is_told_with_its_line() {
         let text = |body: &str| format!("{TEXT}\n[[edit]]\n{body}\n");
+        let split = |part: &str, new: &str| {
+            format!("do = \"split\"\npart = \"{part}\"\norigin_mm = [0, 5, 0]\nnormal = [0, 1, 0]\nnew = \"{new}\"")
+        };
         for (body, words) in [
             (
                 "do = \"densfy\"\npart = \"A\"\nsections = [1]",
@@ -336,11 +370,42 @@ pub(crate) mod tests {
             ("do = \"length\"\npart = \"A\"\nsections = [1]", "either length_mm or factor"),
             ("do = \"length\"\npart = \"A\"\nsections = [1]\nlength_mm = -2", "a length above 0"),
             ("do = \"plane\"\npart = \"A\"\norigin_mm = [0, 0, 0]\nnormal = [0, 0, 0]", "a normal that is not zero"),
+            (&split("A", "B"), "edit 2 (split A through 0, 5, 0 mm, normal 0, 1, 0: A and B) comes after 'layers A 3'"),
+            (&split("A", "a"), "gives the new part the name of another, a"),
+            (&split("A", "B2"), "gives the new part a name that must not end in a digit"),
+            (&split("B", "C"), "names a part that is not there; parts are A"),
         ] {
             let message = Design::parse("d.toml", &text(body)).unwrap_err().to_string();
             assert!(message.contains(words), "{body}: {message}");
         }
         assert_eq!([1, 2].map(|n| super::super::edit_line(&text("do = \"layers\""), n)), [Some(14), Some(19)]);
+    }
+
+    #[test]
+    fn a_split_reads_back_and_undoing_it_gives_the_same_text() {
+        let whole = TEXT.split("# first idea").next().unwrap();
+        let mut design = Design::parse("d.toml", whole).unwrap();
+        let (part, new) = ("A".to_owned(), "B".to_owned());
+        design.edits.push(Edit::Split { part, origin_mm: [0.0, 5.25, 0.0], normal: [0.0, 1.0, 0.0], new });
+        let text = design.written_over("d.toml", whole).unwrap();
+        assert_eq!(Design::parse("d.toml", &text), Ok(design.clone()));
+        assert_eq!(Design::parse("d.toml", &design.to_toml()), Ok(design.clone()));
+        design.undo();
+        assert_eq!(design.written_over("d.toml", &text).unwrap(), whole);
+    }
+
+    #[test]
+    fn what_a_split_gives_is_a_part_that_later_edits_can_name() {
+        let mut design = Design::parse("d.toml", TEXT).unwrap();
+        design.edits.clear();
+        let (part, new) = ("A".to_owned(), "B".to_owned());
+        design.edits.push(Edit::Split { part, origin_mm: [0.0, 5.0, 0.0], normal: [0.0, 1.0, 0.0], new });
+        design.edits.push(Edit::Layers { part: "B".into(), layers: 2 });
+        let text = design.written_over("d.toml", TEXT).unwrap();
+        assert_eq!(Design::parse("d.toml", &text), Ok(design.clone()));
+        let apart = design.taken_apart();
+        assert_eq!(apart.splits[0].into, ["A", "B"]);
+        assert_eq!(apart.decided(&apart.parts[1]).layers, Some(2));
     }
 
     #[test]

@@ -44,6 +44,9 @@ pub struct Design {
     /// Which way strips run in the sheet.
     #[serde(default, skip_serializing_if = "StripAlong::is_default")]
     pub strip_along: StripAlong,
+    /// What assembly sheets and patterns are printed on.
+    #[serde(default, skip_serializing_if = "Paper::is_default")]
+    pub paper: Paper,
     /// How strips are fastened, divided and labelled, where that is not the material's way.
     #[serde(default, skip_serializing_if = "Making::is_default")]
     pub making: Making,
@@ -62,6 +65,23 @@ pub struct Design {
     /// What was changed by hand, in order.
     #[serde(rename = "edit", default, skip_serializing_if = "Vec::is_empty")]
     pub edits: Vec<Edit>,
+}
+
+/// What is put into the printer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Paper {
+    /// 210 x 297 mm.
+    #[default]
+    A4,
+    /// 8.5 x 11 inches.
+    Letter,
+}
+
+impl Paper {
+    fn is_default(&self) -> bool {
+        *self == Paper::default()
+    }
 }
 
 /// The shape a design starts from.
@@ -270,6 +290,7 @@ mod tests {
             making: Making::default(),
             stock: vec!["A3".into()],
             strip_along: StripAlong::Grain,
+            paper: Paper::Letter,
             splits: Vec::new(),
             connectors: Vec::new(),
             mesh: Some(MeshSource { file: "stool.obj".into(), sha256: None, up: Some(Up::Y), height_mm: Some(100.0) }),

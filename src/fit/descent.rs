@@ -15,6 +15,8 @@ pub(super) struct Limits {
     pub shift: bool,
     /// Steps at most.
     pub steps: usize,
+    /// A run that wins less than this share of the outline's area a step ends.
+    pub least_gain: f64,
 }
 
 /// Longest change of a section in one step, as a share of the outline's size (6 mm of 100).
@@ -24,9 +26,7 @@ const LONGEST_STEP: f64 = 0.06;
 const FIRST_CURVATURE: f64 = 2.0;
 /// What a change of length costs by itself, against what it does to the shape.
 const LENGTH_WEIGHT: f64 = 0.3;
-/// A descent that wins less than this share of the outline's area a step ends,
-const LEAST_GAIN: f64 = 2e-4;
-/// judged over so many steps.
+/// What a run wins is judged over so many steps.
 const JUDGED_STEPS: usize = 8;
 /// Runs of a descent.
 const RUNS: usize = 2;
@@ -66,7 +66,7 @@ fn run(shape: &mut Shape, limits: &Limits, mut steps: usize, observer: &mut dyn 
         steps -= 1;
         costs.push(shape.cost);
         if let Some(before) = costs.len().checked_sub(1 + JUDGED_STEPS)
-            && costs[before] - shape.cost < LEAST_GAIN * JUDGED_STEPS as f64 * area_mm2
+            && costs[before] - shape.cost < limits.least_gain * JUDGED_STEPS as f64 * area_mm2
         {
             break;
         }

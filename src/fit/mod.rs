@@ -2,16 +2,17 @@
 
 mod descent;
 mod edits;
+mod empty;
 mod faces;
 mod field;
 mod forest;
 mod gaps;
 mod given;
-mod grow;
 mod loads;
 mod merit;
 mod paper;
 mod report;
+mod score;
 mod search;
 mod shape;
 mod starts;
@@ -30,7 +31,7 @@ pub use warnings::warnings;
 
 use crate::cut::{Outline, PlaneFrame};
 use crate::extrude::{Extruder, Span};
-use crate::geom::V2;
+use crate::geom::{P2, V2};
 use crate::progress::{Observer, Quiet};
 use crate::ruffle::{Direction, EditError, Node, Ruffle, StackError, StackSettings};
 use crate::sim::{self, Equilibrium, Material, Solver, Supports};
@@ -200,10 +201,10 @@ pub fn settle(target: &Target, settings: &Settings, filled: Part) -> Result<Part
     Ok(part(target, ruffle, spans, equilibrium, report.origin()))
 }
 
-/// Widths that changed by less than this, mm, are the same: a hundredth of what a strip is usually wide.
-const SAME_WIDTH_MM: f64 = 0.1;
-/// Rounds of solving with the widths of the round before. They agree to a tenth of the change each time.
-const WIDTH_ROUNDS: usize = 6;
+/// Widths that differ by less than this share on average are the same. At the silhouette of a round body the width has no limit: nodes there never agree all.
+const SAME_WIDTH: f64 = 0.01;
+/// Rounds of solving with the widths of the round before; from the second one on, half way between those and the new ones, because nodes at the silhouette go to and fro.
+const WIDTH_ROUNDS: usize = 8;
 
 /// Solves until the strip is as wide as the mesh is where it comes to rest. The widths given back are those it was solved with.
 fn agreed(
@@ -211,22 +212,28 @@ fn agreed(
     solver: &mut Solver,
     ruffle: &Ruffle,
     mut spans: Vec<Span>,
-    start: &[crate::geom::P2],
+    start: &[P2],
     observer: &mut dyn Observer,
 ) -> Result<(Vec<Span>, Equilibrium), Error> {
     let error = |source| target.solve_error(source);
     let mut equilibrium = solver.solve(start, observer).map_err(error)?;
-    for _ in 1..WIDTH_ROUNDS {
+    for round in 1..WIDTH_ROUNDS {
         let next = target.extruder.spans(ruffle, &equilibrium.positions);
-        let changed = |(a, b): (&Span, &Span)| (a.width() - b.width()).abs();
-        if next.iter().zip(&spans).map(changed).fold(0.0, f64::max) <= SAME_WIDTH_MM {
+        if width_difference(&next, &spans) <= SAME_WIDTH {
             break;
         }
-        spans = next;
+        let share = if round == 1 { 1.0 } else { 0.5 };
+        spans = spans.iter().zip(&next).map(|(old, new)| old.toward(*new, share)).collect();
         solver.measure(ruffle, &widths(&spans)).map_err(error)?;
         equilibrium = solver.solve(&equilibrium.positions, observer).map_err(error)?;
     }
     Ok((spans, equilibrium))
+}
+
+/// Mean difference of widths over their mean.
+fn width_difference(a: &[Span], b: &[Span]) -> f64 {
+    let difference: f64 = a.iter().zip(b).map(|(a, b)| (a.width() - b.width()).abs()).sum();
+    difference / b.iter().map(Span::width).sum::<f64>()
 }
 
 impl Target<'_> {
@@ -258,7 +265,7 @@ fn solver(
     foot: FootUsed,
 ) -> Result<Solver, sim::Error> {
     let supports = match foot {
-        FootUsed::Pinned => Supports { pinned: ruffle.foot.to_vec(), upright: Vec::new() },
+        FootUsed::Pinned | FootUsed::Tied => Supports { pinned: ruffle.foot.to_vec(), upright: Vec::new() },
         FootUsed::Free => Supports { pinned: Vec::new(), upright: vec![ruffle.foot[0]] },
     };
     let settings = sim::Settings { floor_mm: floor_mm(target.outline), ..settings.solver };

@@ -1,10 +1,9 @@
 //! What a fitted part amounts to: how full, how long, how tight, how reachable.
 
 use super::Target;
-use super::merit::long_side_mm;
 use super::shape::Spent;
 use crate::extrude::Span;
-use crate::geom::{P2, Rect, enclosed, signed_area};
+use crate::geom::{P2, Rect, V2, enclosed, long_side, signed_area, thickness};
 use crate::ruffle::{Direction, Ruffle};
 use crate::sim::Equilibrium;
 
@@ -16,6 +15,8 @@ pub enum FootUsed {
     Free,
     /// Its two ends are glued or slotted to a base.
     Pinned,
+    /// Its two ends are held by the strips that tie it to the parts it rests on.
+    Tied,
 }
 
 /// Figures of one part.
@@ -61,6 +62,13 @@ pub(super) struct Origin {
     pub spent: Spent,
 }
 
+impl FootUsed {
+    /// Whether both ends of the bottom rung are held, by whatever it is.
+    pub fn is_held(self) -> bool {
+        self != FootUsed::Free
+    }
+}
+
 impl Report {
     /// How the part was made.
     pub(super) fn origin(&self) -> Origin {
@@ -95,7 +103,7 @@ pub(super) fn measure(
         .zip(&ruffle.rest_lengths)
         .map(|((i, j), l)| 0.5 * (spans[i].width() + spans[j].width()) * l)
         .sum();
-    let margin_mm = standing_margin_mm(ruffle, spans, positions);
+    let margin_mm = standing_margin_mm(target, ruffle, spans, positions);
     let (min_radius_mm, tightest_section) = tightest_bend(ruffle, positions);
     let (min_void_mm, thinnest_void) = region
         .rooms
@@ -111,7 +119,7 @@ pub(super) fn measure(
         .filter_map(|layer| ruffle.layer_border(layer))
         .map(|nodes| {
             let corners: Vec<P2> = nodes.iter().map(|n| positions[*n]).collect();
-            signed_area(&corners).abs() / long_side_mm(&corners)
+            thickness(signed_area(&corners).abs(), &corners)
         })
         .fold(f64::INFINITY, f64::min)
         .min(region_height(positions));
@@ -124,7 +132,7 @@ pub(super) fn measure(
         protruding_fraction: coverage.protruding_fraction(),
         covered: region.loops,
         foot,
-        stands: foot == FootUsed::Pinned || margin_mm >= 0.0,
+        stands: foot.is_held() || margin_mm >= 0.0,
         strip_length_mm: ruffle.strip_length(),
         strip_mass_g: area_mm2 * 1e-6 * target.material.grammage_g_per_m2,
         min_radius_mm,
@@ -154,16 +162,22 @@ fn tightest_bend(ruffle: &Ruffle, x: &[P2]) -> (f64, usize) {
     tightest
 }
 
-/// How far the centre of mass lies inside the contact with the floor, beyond what a standing part needs, mm; negative for one that falls over. The floor is
-/// at the lowest node.
-fn standing_margin_mm(ruffle: &Ruffle, spans: &[Span], x: &[P2]) -> f64 {
-    let (mut mass, mut moment) = (0.0, nalgebra::Vector2::zeros());
+/// How far the centre of all weight, the strip's own and what it bears, lies inside the contact with the floor, beyond what a standing part needs, mm; negative
+/// for one that falls over. The floor is at the lowest node.
+fn standing_margin_mm(target: &Target, ruffle: &Ruffle, spans: &[Span], x: &[P2]) -> f64 {
+    let (mut whole_n, mut moment) = (0.0, V2::zeros());
+    let mut add = |at: P2, weight_n: f64| {
+        whole_n += weight_n;
+        moment += at.coords * weight_n;
+    };
     for ((i, j), length) in ruffle.segments().zip(&ruffle.rest_lengths) {
-        let m = 0.5 * (spans[i].width() + spans[j].width()) * length;
-        mass += m;
-        moment += nalgebra::center(&x[i], &x[j]).coords * m;
+        let area_mm2 = 0.5 * (spans[i].width() + spans[j].width()) * length;
+        add(nalgebra::center(&x[i], &x[j]), target.material.weight_n_per_mm2() * area_mm2);
     }
-    let center = moment / mass;
+    for (node, force) in target.loads_n {
+        add(x[node.index()], -force.y);
+    }
+    let center = moment / whole_n;
     let floor = x.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
     let touching = x.iter().filter(|p| p.y <= floor + TOUCHING_MM).map(|p| p.x);
     let (left, right) = touching.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), u| (l.min(u), r.max(u)));
@@ -183,11 +197,10 @@ struct Room {
 
 fn measured_room(room: &[[P2; 3]]) -> Room {
     let corners: Vec<P2> = room.iter().flatten().copied().collect();
-    let long_side = long_side_mm(&corners);
     let area: f64 = room.iter().map(|t| signed_area(t)).sum();
     let weighted = room.iter().map(|t| (t[0].coords + t[1].coords + t[2].coords) * (signed_area(t) / 3.0));
     let center = weighted.fold(nalgebra::Vector2::zeros(), |sum, v| sum + v) / area;
-    Room { thickness_mm: area / long_side, length_mm: long_side, center: P2::from(center) }
+    Room { thickness_mm: thickness(area, &corners), length_mm: long_side(&corners), center: P2::from(center) }
 }
 
 #[cfg(test)]

@@ -1,30 +1,36 @@
 //! Tries starts, one after the other, and keeps what fills best.
 
 use super::descent::{Limits, descend};
+use super::empty::emptiest_layer;
 use super::field::Field;
-use super::grow::emptiest_layers;
 use super::paper::LengthRule;
 use super::report::Origin;
+use super::score::score;
 use super::shape::{Shape, Spent};
 use super::starts::{Start, starts};
 use super::{Edits, Error, Foot, FootUsed, Method, Part, Settings, Target, agreed, part, solver};
 use crate::progress::{Observer, Progress};
-use crate::ruffle::{Drawn, EditSettings, Ruffle, split_layer};
+use crate::ruffle::{Drawn, EditSettings, Role, Ruffle, split_layer};
 use crate::sim::Outcome;
 use std::ops::ControlFlow;
+use std::rc::Rc;
 
 /// Springs hold the joints near their drawing while lengths are first found, and are then let go in stages: stiffness against D w / R³, the force it takes to move a
 /// typical loop. Straight from the drawing a free stack drops sideways.
 const HOLDS: [f64; 3] = [2.0, 0.2, 0.04];
 /// What a strip that stands free is not tried pinned for: the outline's share that is empty or sticks out.
 const WELL_FILLED: f64 = 0.08;
-/// Layers are split at most so often, and so many tried each time.
+/// Layers are split at most so often.
 const MOST_SPLITS: usize = 3;
-const SPLITS_TRIED: usize = 2;
 /// A layer is split where either half would be at least this share of the thinnest layer drawn: the descent thickens it.
 const SPLIT_THICKNESS: f64 = 0.85;
 /// Splitting goes on while it wins this share of the outline.
 const LEAST_GROWTH: f64 = 0.003;
+/// A descent ends when a step wins less than this share of the outline; once one strip is chosen, it and what grows out of it go on for longer.
+const LEAST_GAIN: f64 = 2e-4;
+const LAST_GAIN: f64 = 5e-5;
+/// And take so many times the steps.
+const LAST_EFFORT: f64 = 2.0;
 /// Springs on the way to none, with the lengths as they are: let go at once, a strip that would stand swings over.
 const LETTING_GO: [f64; 3] = [0.01, 0.0025, 0.0];
 /// Radius of a typical loop, as a share of the outline's size.
@@ -36,6 +42,8 @@ const HELD_SHARE: f64 = 0.12;
 /// Held strips that are held less and less, and those of them that are let go, the most promising first.
 const LOOSENED: usize = 5;
 const RELEASED: usize = 3;
+/// Effort that a round of the paper's rule takes: it works out a shape to the end, where a step of a descent does not.
+const EFFORT_OF_ROUND: usize = 5;
 /// Sections keep at least this share of the length they were drawn with, and at most so many times that and 10 mm: no layer collapses, none takes over.
 const SHORTEST: f64 = 0.45;
 const LONGEST: f64 = 2.2;
@@ -56,8 +64,10 @@ pub(super) struct Search<'a> {
     done: u64,
     total: u64,
     stopped: bool,
+    /// Whether one strip has been chosen, and only it is worked on.
+    chosen: bool,
     spent: Spent,
-    field: Field,
+    field: Rc<Field>,
 }
 
 /// Fills `target`.
@@ -76,14 +86,17 @@ pub(super) fn search(
     let most = |count: usize| count.min(starts.len());
     let total = ((starts.len() + most(LOOSENED) + most(RELEASED)) * feet.len()) as u64;
     let spent = Spent::default();
-    let field = Field::new(target.outline, settings.protrusion_weight);
-    let mut search = Search { field, target, settings, observer, best: None, done: 0, total, stopped: false, spent };
+    let field = Rc::new(Field::new(target.outline, settings.protrusion_weight));
+    let mut search =
+        Search { field, target, settings, observer, best: None, done: 0, total, stopped: false, chosen: false, spent };
     for foot in feet {
         // Pinned strips fill a point or two more than free ones, which is not worth the glue where those fill well.
         if search.best.as_ref().is_none_or(|b| b.score > WELL_FILLED) {
             search.stand(&starts, *foot)?;
         }
     }
+    search.chosen = true;
+    search.polish()?;
     // Edits name sections by number, which a split layer would shift.
     if edits.is_none() {
         search.grow()?;
@@ -104,16 +117,11 @@ impl<'a> Search<'a> {
             if self.is_over() {
                 return Ok(());
             }
-            if let Some(shape) = self.held(start, foot)? {
-                if self.stopped {
-                    let mut shape = shape;
-                    self.loosen(&mut shape, start)?;
-                    self.release(shape, start)?;
-                } else {
-                    held.push((shape, start));
-                }
-            }
+            held.extend(self.held(start, foot)?.map(|shape| (shape, start)));
             self.done += 1;
+            if self.stopped && !held.is_empty() {
+                break;
+            }
         }
         best_first(&mut held, LOOSENED);
         for (shape, start) in &mut held {
@@ -146,19 +154,40 @@ impl<'a> Search<'a> {
             let filled = Drawn { ruffle: part.ruffle.clone(), positions: part.equilibrium.positions.clone() };
             let segment_mm = filled.ruffle.strip_length() / filled.ruffle.rest_lengths.len() as f64;
             let edit = EditSettings { segment_mm, limits: Default::default() };
-            let layers = emptiest_layers(part, SPLIT_THICKNESS * settings.stack.min_layer_mm);
-            for layer in layers.into_iter().take(SPLITS_TRIED) {
-                let Ok(drawn) = split_layer(&filled, layer, &edit) else { continue };
-                let start = Start { drawn, direction };
-                if let Some(mut shape) = self.held(&start, foot)? {
-                    self.loosen(&mut shape, &start)?;
-                    self.release(shape, &start)?;
-                }
+            let thickness_mm = SPLIT_THICKNESS * settings.stack.min_layer_mm;
+            let split = emptiest_layer(part, thickness_mm).map(|layer| split_layer(&filled, layer, &edit));
+            let Some(Ok(drawn)) = split else { return Ok(()) };
+            let start = Start { drawn, direction };
+            if let Some(mut shape) = self.held(&start, foot)? {
+                self.loosen(&mut shape, &start)?;
+                self.release(shape, &start)?;
             }
             if self.best.as_ref().is_none_or(|b| b.score > before - LEAST_GROWTH) {
                 return Ok(());
             }
+            self.polish()?;
         }
+        Ok(())
+    }
+
+    /// Goes on where the best strip so far was left.
+    fn polish(&mut self) -> Result<(), Error> {
+        let (target, settings) = (self.target, self.settings);
+        let Some(Candidate { part, .. }) = &self.best else { return Ok(()) };
+        if self.stopped || settings.effort == 0 || settings.method == Method::Paper {
+            return Ok(());
+        }
+        let (foot, direction) = (part.report.foot, part.report.direction);
+        let drawn = Drawn { ruffle: part.ruffle.clone(), positions: part.equilibrium.positions.clone() };
+        let start = Start { drawn, direction };
+        let field = Rc::clone(&self.field);
+        let Some(mut shape) = Shape::settled(target, settings, &start.drawn, foot, &field, 0.0, &mut Inner(self))?
+        else {
+            return Ok(());
+        };
+        self.descend(&mut shape, &start, 1.0, true)?;
+        self.count(&mut shape);
+        self.consider(&shape, &start)?;
         Ok(())
     }
 
@@ -171,7 +200,7 @@ impl<'a> Search<'a> {
     fn held(&mut self, start: &Start, foot: FootUsed) -> Result<Option<Shape<'a>>, Error> {
         let (target, settings) = (self.target, self.settings);
         let hold_n_per_mm = self.hold_n_per_mm(start) * HOLDS[0];
-        let field = self.field.clone();
+        let field = Rc::clone(&self.field);
         let settled = Shape::settled(target, settings, &start.drawn, foot, &field, hold_n_per_mm, &mut Inner(self))?;
         let Some(mut shape) = settled else { return Ok(None) };
         shape.pull.cost = HOLD_COST / shape.pull.targets.len().max(1) as f64;
@@ -223,8 +252,9 @@ impl<'a> Search<'a> {
         if self.settings.method == Method::Paper || self.stopped {
             return Ok(());
         }
-        let steps = (share * self.settings.effort as f64).round() as usize;
-        let limits = Limits { bounds_mm: self.bounds_mm(&start.drawn.ruffle), shift, steps };
+        let (least_gain, times) = if self.chosen { (LAST_GAIN, LAST_EFFORT) } else { (LEAST_GAIN, 1.0) };
+        let steps = (share * times * self.settings.effort as f64).round() as usize;
+        let limits = Limits { bounds_mm: self.bounds_mm(&start.drawn.ruffle), shift, steps, least_gain };
         descend(shape, &limits, &mut Inner(self))
     }
 
@@ -239,7 +269,7 @@ impl<'a> Search<'a> {
     fn bounds_mm(&self, drawn: &Ruffle) -> Vec<[f64; 2]> {
         let bounds = |s: usize| {
             let length = drawn.section_length(s);
-            if drawn.sections[s].pinned || drawn.sections[s].role == crate::ruffle::Role::Densified {
+            if drawn.sections[s].pinned || drawn.sections[s].role == Role::Densified {
                 return [length; 2];
             }
             let least = self.settings.min_section_mm;
@@ -251,7 +281,7 @@ impl<'a> Search<'a> {
     /// Rounds of the paper's length updates; every shape on the way is a candidate.
     fn follow_paper(&mut self, shape: &mut Shape, start: &Start) -> Result<(), Error> {
         let rule = LengthRule::new(&start.drawn, self.target.outline);
-        for _ in 0..self.settings.effort {
+        for _ in 0..self.settings.effort.div_ceil(EFFORT_OF_ROUND) {
             self.consider(shape, start)?;
             let mut lengths = rule.lengths(&shape.ruffle, &shape.x);
             for (section, length) in lengths.iter_mut().enumerate() {
@@ -297,35 +327,6 @@ fn best_first(shapes: &mut Vec<(Shape, &Start)>, count: usize) {
     shapes.sort_by(|(a, _), (b, _)| a.cost.total_cmp(&b.cost));
     shapes.truncate(count);
 }
-
-/// How far a part is from full and easy to make, as a share of the outline.
-fn score(part: &Part, settings: &Settings) -> f64 {
-    let report = &part.report;
-    let glue = if report.foot == FootUsed::Pinned { settings.free_foot_bonus } else { 0.0 };
-    let shortfall = |value: f64, least: f64| if value < least { 1.0 - value / least } else { 0.0 };
-    report.uncovered_fraction
-        + report.protruding_fraction
-        + glue
-        // Coverage does not see what is inside: a ruffle that passes through itself will fold otherwise, a layer that has collapsed cannot be assembled,
-        // a crease is a hinge.
-        + if report.stands { 0.0 } else { TIPPING_COST }
-        + CROSSING_COST * part.equilibrium.self_intersections as f64
-        + COLLAPSED_COST * shortfall(report.thinnest_layer_mm, THINNEST_LAYER_MM)
-        + VOID_COST * shortfall(report.min_void_mm, settings.min_void_mm).powi(2)
-        + CREASE_COST * shortfall(report.min_radius_mm, settings.min_bend_radius_mm)
-}
-
-/// Outline share that falling over outweighs: whatever stands is better.
-const TIPPING_COST: f64 = 1.0;
-/// Outline share that one crossing outweighs.
-const CROSSING_COST: f64 = 0.1;
-/// A layer thinner than this, mm, has collapsed.
-const THINNEST_LAYER_MM: f64 = 8.0;
-/// Outline share that a layer of no thickness outweighs.
-const COLLAPSED_COST: f64 = 1.0;
-/// Outline share that a void or a bend radius of nothing outweighs.
-const CREASE_COST: f64 = 0.5;
-const VOID_COST: f64 = 0.5;
 
 /// Passes a solve's progress on as the search's own. A stop ends the search once something has settled; before that, the solve goes on, since there would be
 /// nothing to keep.

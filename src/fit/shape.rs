@@ -1,14 +1,15 @@
 //! A strip at rest whose lengths are being changed: every change is predicted, solved and judged before it is kept.
 
 use super::field::Field;
-use super::merit::{Judge, Pull};
-use super::{Error, FootUsed, MAX_STRAIN, Settings, Target, faces::Faces, solver, widths};
+use super::merit::{Judge, Pull, Slopes};
+use super::{Error, FootUsed, MAX_STRAIN, Settings, Target, faces::Faces, floor_mm, solver, widths};
 use crate::extrude::Span;
-use crate::geom::{P2, V2};
+use crate::geom::P2;
 use crate::progress::Observer;
 use crate::ruffle::{Drawn, Node, Ruffle};
 use crate::sim::{self, Outcome, Solver};
 use nalgebra::DMatrix;
+use std::rc::Rc;
 
 /// Newton steps that a change of lengths may take to come to rest; one that takes more has thrown the strip over.
 const WARM_STEPS: usize = 30;
@@ -31,7 +32,7 @@ pub(super) struct Shape<'a> {
     pub judge: Judge,
     pub pull: Pull,
     pub cost: f64,
-    pub slopes: Vec<V2>,
+    pub slopes: Slopes,
     pub spent: Spent,
 }
 
@@ -48,10 +49,10 @@ impl<'a> Shape<'a> {
     /// Lets a drawing come to rest, its joints held near where they are drawn by springs of `hold_n_per_mm`. Nothing where it does not.
     pub fn settled(
         target: &'a Target<'a>,
-        settings: &'a Settings,
+        settings: &Settings,
         drawn: &Drawn,
         foot: FootUsed,
-        field: &Field,
+        field: &Rc<Field>,
         hold_n_per_mm: f64,
         observer: &mut dyn Observer,
     ) -> Result<Option<Shape<'a>>, Error> {
@@ -66,14 +67,16 @@ impl<'a> Shape<'a> {
             ..settings.clone()
         };
         let mut solver = solver(target, &search, &drawn.ruffle, &spans, foot).map_err(error)?;
+        let mut start = drawn.positions.clone();
         if foot == FootUsed::Pinned {
-            // Wherever the second end of the foot comes to lie, it can be glued there.
+            // The base is the floor; wherever on it the second end of the foot comes to lie, it can be glued.
+            drawn.ruffle.foot.iter().for_each(|node| start[node.index()].y = floor_mm(target.outline));
             solver.let_slide(drawn.ruffle.foot[1]).map_err(error)?;
         }
         let targets: Vec<(Node, P2)> =
             drawn.ruffle.connection_points().iter().map(|c| (c.node, drawn.positions[c.node.index()])).collect();
         solver.anchor(&targets, hold_n_per_mm).map_err(error)?;
-        let e = match solver.solve(&drawn.positions, observer) {
+        let e = match solver.solve(&start, observer) {
             // A drawing that crosses itself is no start; another may be.
             Err(sim::Error::Crossed { .. }) => return Ok(None),
             solved => solved.map_err(error)?,
@@ -82,9 +85,9 @@ impl<'a> Shape<'a> {
             return Ok(None);
         }
         let faces = Faces::of(&drawn.ruffle, &e.positions);
-        let judge = Judge::new(field.clone(), faces, settings);
+        let judge = Judge::new(Rc::clone(field), faces, settings);
         let spent = Spent { solves: 1, steps: e.iterations };
-        let slopes = vec![V2::zeros(); e.positions.len()];
+        let slopes = Slopes::default();
         let ruffle = drawn.ruffle.clone();
         let pull = Pull { targets, cost: 0.0 };
         let mut shape =
@@ -129,15 +132,16 @@ impl<'a> Shape<'a> {
 
     /// How the cost changes with the length of every section, and with a shift of the whole to the right, per mm. Nothing where the shape is not stable.
     pub fn slopes(&mut self) -> Result<Option<(Vec<f64>, f64)>, Error> {
-        let by_segment = self.solver.slopes_by_lengths(&self.x, &self.slopes).map_err(|e| self.error(e))?;
+        let by_segment = self.solver.slopes_by_lengths(&self.x, &self.slopes.nodes).map_err(|e| self.error(e))?;
         let Some(by_segment) = by_segment else { return Ok(None) };
         let section = |s: usize| {
             let long = self.ruffle.section_length(s);
             let segments = self.ruffle.sections[s].segments();
-            segments.map(|k| by_segment[k] * self.ruffle.rest_lengths[k]).sum::<f64>() / long
+            let slope = |k: usize| by_segment[k] + self.slopes.rests[k];
+            segments.map(|k| slope(k) * self.ruffle.rest_lengths[k]).sum::<f64>() / long
         };
         let lengths = (0..self.ruffle.sections.len()).map(section).collect();
-        Ok(Some((lengths, self.slopes.iter().map(|s| s.x).sum())))
+        Ok(Some((lengths, self.slopes.nodes.iter().map(|s| s.x).sum())))
     }
 
     /// How far the nodes move when the length of every section changes, or the whole shifts to the right, as the sums over nodes of the products of any two such moves
@@ -210,5 +214,50 @@ impl Observer for Limited<'_> {
         }
         self.left -= 1;
         self.observer.step(progress)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{polygon, with_target};
+    use super::*;
+    use crate::progress::Quiet;
+    use crate::ruffle::{StackSettings, draw_stack};
+
+    #[test]
+    fn slopes_over_lengths_are_the_change_of_cost_by_finite_differences() {
+        let outline = polygon(&[(0.0, 0.0), (80.0, 3.0), (74.0, 66.0), (5.0, 60.0)]);
+        let stack = StackSettings { layers: Some(3), segment_mm: 4.0, ..StackSettings::default() };
+        let drawn = draw_stack(&outline, &stack).unwrap();
+        let settings = Settings {
+            solver: sim::Settings { residual_n: 1e-8, ..sim::Settings::default() },
+            min_bend_radius_mm: 9.0,
+            ..Settings::default()
+        };
+        with_target(&outline, |target| {
+            let field = Rc::new(Field::new(&outline, 3.0));
+            let settled = Shape::settled(target, &settings, &drawn, FootUsed::Pinned, &field, 0.0, &mut Quiet);
+            let mut shape = settled.unwrap().expect("a strip at rest");
+            shape.pull.cost = 0.5;
+            shape.look();
+            let (slopes, by_shift) = shape.slopes().unwrap().expect("a stable state");
+            let lengths: Vec<f64> = (0..slopes.len()).map(|s| shape.ruffle.section_length(s)).collect();
+            let mut cost = |section: Option<usize>, by: f64| {
+                let mut to = lengths.clone();
+                section.into_iter().for_each(|s| to[s] += by);
+                let shift = if section.is_none() { by } else { 0.0 };
+                assert!(shape.take(&to, shift, f64::INFINITY, &mut Quiet).unwrap());
+                let cost = shape.cost;
+                assert!(shape.take(&lengths, -shift, f64::INFINITY, &mut Quiet).unwrap());
+                cost
+            };
+            let largest = slopes.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
+            for (section, slope) in slopes.iter().enumerate() {
+                let found = (cost(Some(section), 0.05) - cost(Some(section), -0.05)) / 0.1;
+                assert!((found - slope).abs() < 0.02 * largest, "section {section}: {found} against {slope}");
+            }
+            let found = (cost(None, 0.05) - cost(None, -0.05)) / 0.1;
+            assert!((found - by_shift).abs() < 0.03 * largest, "shift: {found} against {by_shift}");
+        });
     }
 }

@@ -42,8 +42,10 @@ const LAYERINGS: [Layering; 9] = [
 /// Outlines of this size (the root of their area, mm) are drawn as the settings say; larger ones with thicker layers and longer segments, so that they have no more of
 /// either.
 const USUAL_SIZE_MM: f64 = 100.0;
-/// Segments grow from this size on.
-const FULL_DETAIL_MM: f64 = 150.0;
+/// Segments grow from this size on,
+const FULL_DETAIL_MM: f64 = 110.0;
+/// and are shorter in smaller outlines, down to this share: their loops bend as many times as tightly.
+const FINEST: f64 = 0.6;
 
 /// Drawings in the direction asked for. A layering that finds no place, or that the edits do not apply to, is passed over as long as another does.
 pub(super) fn starts(target: &Target, settings: &Settings, edits: Option<&Edits>) -> Result<Vec<Start>, Error> {
@@ -57,11 +59,12 @@ pub(super) fn starts(target: &Target, settings: &Settings, edits: Option<&Edits>
     let mut layers = settings.stack.layers;
     let size_mm = target.outline.area().sqrt();
     let larger = (size_mm / USUAL_SIZE_MM).max(1.0);
+    let detail = (size_mm / FULL_DETAIL_MM).max((size_mm / USUAL_SIZE_MM).clamp(FINEST, 1.0));
     let stack = StackSettings {
         min_layer_mm: settings.stack.min_layer_mm.max(larger * StackSettings::default().min_layer_mm),
         max_layer_mm: settings.stack.max_layer_mm * larger,
         min_rung_mm: settings.stack.min_rung_mm.max(settings.min_section_mm),
-        segment_mm: settings.stack.segment_mm * (size_mm / FULL_DETAIL_MM).max(1.0),
+        segment_mm: settings.stack.segment_mm * detail,
         ..settings.stack
     };
     let ways = directions.iter().flat_map(|direction| LAYERINGS.map(|layering| (*direction, layering)));

@@ -72,14 +72,5 @@ pub fn warnings(part: &Part, settings: &Settings) -> Vec<Warning> {
             ),
         ));
     }
-    if r.uncovered_fraction > 0.3 {
-        warn(Warning::new(
-            "empty",
-            format!(
-                "{:.0} % of the outline stays empty: one ruffle does not reach everywhere in this shape",
-                100.0 * r.uncovered_fraction
-            ),
-        ));
-    }
     warnings
 }

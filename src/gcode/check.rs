@@ -85,6 +85,16 @@ pub fn check(program: &Program, settings: &CheckSettings) -> Report {
     checker.finish()
 }
 
+/// Checks moves that are known already, those of a plot: where they go, how fast and how long, and not how they are written.
+pub fn check_moves(moves: &[Move], lines: usize, settings: &CheckSettings) -> Report {
+    let mut checker = Checker::new(settings);
+    checker.lines = lines;
+    for m in moves {
+        checker.take(m);
+    }
+    checker.finish()
+}
+
 /// Where findings go.
 #[derive(Debug, Default)]
 pub(super) struct Notes {
@@ -222,19 +232,26 @@ impl<'a> Checker<'a> {
             return;
         }
         self.line_rules.words(number, &text, &line, &self.moves, notes);
-        for m in &self.moves {
-            self.move_rules.judge(m, settings, notes);
-            if let Some(witness) = &mut self.witness {
-                witness.asked(m);
-            }
-            self.sums.measure(m, settings);
-            let index = self.pushed;
-            self.pushed += 1;
-            if m.length_mm() > 0.0 || !m.goes() {
-                self.sums.pending.push_back((index, *m));
-            }
-            self.planner.push(m, &mut |stretch| self.sums.take(&stretch, settings, &mut self.witness));
+        let moves = std::mem::take(&mut self.moves);
+        for m in &moves {
+            self.take(m);
         }
+        self.moves = moves;
+    }
+
+    fn take(&mut self, m: &Move) {
+        let Checker { settings, notes, .. } = self;
+        self.move_rules.judge(m, settings, notes);
+        if let Some(witness) = &mut self.witness {
+            witness.asked(m);
+        }
+        self.sums.measure(m, settings);
+        let index = self.pushed;
+        self.pushed += 1;
+        if m.length_mm() > 0.0 || !m.goes() {
+            self.sums.pending.push_back((index, *m));
+        }
+        self.planner.push(m, &mut |stretch| self.sums.take(&stretch, settings, &mut self.witness));
     }
 
     /// The end of the file.
@@ -263,7 +280,7 @@ impl Sums {
         if !m.goes() {
             return;
         }
-        let cuts = if settings.laser { m.burns() } else { m.feeds() };
+        let cuts = m.works(settings.laser);
         if cuts {
             self.cut_mm += m.length_mm();
             self.bounds = Some(self.bounds.unwrap_or(Rect::EMPTY).union(m.bounds()));

@@ -11,10 +11,42 @@ use crate::toolpath::{Contour, Toolpath};
 pub struct Dialect {
     /// The S word of full power (GRBL $30), above 0.
     pub max_s: f64,
-    /// M3 (the same power at any speed) instead of M4 (power follows speed).
-    pub constant_power: bool,
+    /// How the tool is put to work and taken off.
+    pub tool: ToolWords,
+    /// The job lies where the head stands when it starts: its X0 Y0 is set there for as long as it runs (G92).
+    pub from_here: bool,
     /// How air is switched; `None` when it is done by hand.
     pub air: Option<AirWords>,
+}
+
+/// How a tool is put to work.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ToolWords {
+    /// Power words on moves; M4 (power follows speed) but for contours that ask for the same power at any speed.
+    Laser {
+        /// M3 (the same power at any speed) for all.
+        constant_power: bool,
+    },
+    /// A servo on the spindle's output ($32 = 0) swings the tool down and up.
+    Servo {
+        /// S word for down.
+        down_s: f64,
+        /// S word for up.
+        up_s: f64,
+        /// Time it takes, s.
+        dwell_s: f64,
+    },
+    /// The z axis lowers and lifts the tool.
+    Lift {
+        /// Height on the sheet, mm.
+        down_mm: f64,
+        /// Height for travel, mm.
+        up_mm: f64,
+        /// Feed of the way down, mm/min.
+        feed_mm_per_min: f64,
+        /// Rest on the sheet before it moves on, s.
+        dwell_s: f64,
+    },
 }
 
 /// Which M words switch air on, 7 (mist) or 8 (flood); M9 switches it off.
@@ -58,10 +90,11 @@ pub enum Error {
     },
 }
 
-/// Writes a toolpath for GRBL 1.1 in laser mode.
+/// Writes a toolpath for GRBL 1.1.
 ///
-/// The beam is off by default: S0 stands on every travel and a power only on the first move of each run. Words are written only when they
-/// change, numbers with three decimals. The program states all modes it relies on and ends with the laser off at the park point.
+/// The tool is off by default: a laser has S0 on every travel and a power only on the first move of each run, a pen or a blade is lifted before
+/// every travel. Words are written only when they change, numbers with three decimals. The program states all modes it relies on and ends with the
+/// tool off at the park point.
 ///
 /// # Errors
 /// A dialect out of range; a run whose path, feed or power is no number or out of range.
@@ -73,7 +106,9 @@ pub fn emit(toolpath: &Toolpath, header: &Header, dialect: &Dialect) -> Result<P
         writer.comment(&format!("{key}: {value}"));
     }
     writer.words(&[('G', 21.0), ('G', 90.0), ('G', 94.0), ('G', 17.0), ('G', 54.0), ('M', 5.0), ('S', 0.0)]);
-    writer.words(&[('M', if dialect.constant_power { 3.0 } else { 4.0 }), ('S', 0.0)]);
+    if dialect.from_here {
+        writer.words(&[('G', 92.0), ('X', 0.0), ('Y', 0.0)]);
+    }
     let mut operation = None;
     for contour in &toolpath.contours {
         check_contour(contour)?;
@@ -82,12 +117,18 @@ pub fn emit(toolpath: &Toolpath, header: &Header, dialect: &Dialect) -> Result<P
         }
         writer.run(contour);
     }
+    writer.lift();
     writer.words(&[('M', 5.0), ('S', 0.0)]);
     if writer.air_used {
         writer.words(&[('M', 9.0)]);
     }
+    writer.refocus();
+    writer.travel(toolpath.home.iter().copied());
     let park = rounded(toolpath.park);
     writer.words(&[('G', 0.0), ('X', park.x), ('Y', park.y)]);
+    if dialect.from_here {
+        writer.words(&[('G', 92.1)]);
+    }
     writer.words(&[('M', 2.0)]);
     Ok(Program { lines: writer.lines })
 }
@@ -97,6 +138,16 @@ fn check_dialect(dialect: &Dialect) -> Result<(), Error> {
     if !(max_s.is_finite() && max_s > 0.0) {
         return Err(Error::Dialect { name: "the S word of full power", value: max_s, needed: "a number above 0" });
     }
+    let (numbers, needed): (Vec<f64>, _) = match dialect.tool {
+        ToolWords::Laser { .. } => (Vec::new(), ""),
+        ToolWords::Servo { down_s, up_s, dwell_s } => (vec![down_s, up_s, dwell_s], "at least 0"),
+        ToolWords::Lift { feed_mm_per_min, dwell_s, .. } => {
+            (vec![feed_mm_per_min - 1.0, dwell_s], "a feed of at least 1 mm/min")
+        }
+    };
+    if let Some(value) = numbers.into_iter().find(|v| !(v.is_finite() && *v >= 0.0)) {
+        return Err(Error::Dialect { name: "a number that lowers or lifts the tool", value, needed });
+    }
     for code in dialect.air.iter().flat_map(|air| [air.low, air.high]) {
         if !(7..=8).contains(&code) {
             return Err(Error::Dialect { name: "the M word for air", value: f64::from(code), needed: "7 or 8" });
@@ -105,7 +156,7 @@ fn check_dialect(dialect: &Dialect) -> Result<(), Error> {
     Ok(())
 }
 
-fn check_contour(contour: &Contour) -> Result<(), Error> {
+pub(super) fn check_contour(contour: &Contour) -> Result<(), Error> {
     let finite = |v: &PathVertex| v.point.x.is_finite() && v.point.y.is_finite() && v.bulge.is_finite();
     let flaw = if contour.path.vertices.len() < 2 || !contour.path.vertices.iter().all(finite) {
         "its path has fewer than two corners or one that is not a finite number"
@@ -120,32 +171,44 @@ fn check_contour(contour: &Contour) -> Result<(), Error> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::check::tests::diode;
     use super::super::{Action, CheckSettings, Move, check, parse, trace};
     use super::*;
     use crate::drawing::Role;
-    use crate::geom::{P2, Path, Rect, Segment, V2, cross, distance_to_segment};
+    use crate::geom::{Motion, P2, Path, Rect, Segment, V2, cross, distance_to_segment};
     use crate::toolpath::Air;
     use proptest::prelude::*;
 
-    const DIALECT: Dialect = Dialect { max_s: 1000.0, constant_power: false, air: Some(AirWords { low: 7, high: 8 }) };
+    const DIALECT: Dialect = Dialect {
+        max_s: 1000.0,
+        tool: ToolWords::Laser { constant_power: false },
+        from_here: false,
+        air: Some(AirWords { low: 7, high: 8 }),
+    };
 
-    fn contour(path: Path, role: Role, air: Air) -> Contour {
+    pub(crate) fn contour(path: Path, role: Role, air: Air) -> Contour {
         let piece = "A1".to_string();
         let operation = role.operation();
-        Contour { path, operation, role, piece, joint: None, feed_mm_per_min: 1200.0, power: 0.5, air }
+        let (constant_power, depth_mm, way) = (false, 0.0, Vec::new());
+        let (joint, feed_mm_per_min, power) = (None, 1200.0, 0.5);
+        Contour { path, operation, role, piece, joint, feed_mm_per_min, power, constant_power, depth_mm, air, way }
     }
 
-    fn toolpath(contours: Vec<Contour>) -> Toolpath {
+    pub(crate) fn toolpath(contours: Vec<Contour>) -> Toolpath {
         Toolpath {
             width_mm: 400.0,
             height_mm: 400.0,
+            motion: Motion::identity(),
             park: P2::origin(),
             contours,
+            home: Vec::new(),
+            crosses: Vec::new(),
             travel_mm: 0.0,
             travel_unordered_mm: 0.0,
             max_kerf_deviation_mm: 0.0,
+            max_curve_deviation_mm: 0.0,
+            warnings: Vec::new(),
         }
     }
 
@@ -172,9 +235,9 @@ mod tests {
             "; job: stool",
             "; sheet: 1/2",
             "G21G90G94G17G54M5S0",
-            "M4S0",
             "; engrave",
             "G0X10Y5S0",
+            "M4S0",
             "G1Y15S500F1200",
             "; cut-inner",
             "G0X20S0",
@@ -194,7 +257,7 @@ mod tests {
 
     #[test]
     fn constant_power_is_m3_and_air_by_hand_writes_no_m_words() {
-        let dialect = Dialect { constant_power: true, air: None, ..DIALECT };
+        let dialect = Dialect { tool: ToolWords::Laser { constant_power: true }, air: None, ..DIALECT };
         let text = text(vec![contour(line(10.0, 5.0, 10.0, 15.0), Role::Slit, Air::Low)], &dialect);
         assert!(text.contains("\nM3S0\n") && !text.contains("M4"));
         assert!(!text.contains("M7") && !text.contains("M8") && !text.contains("M9"));
@@ -208,6 +271,58 @@ mod tests {
         ];
         let text = text(contours, &DIALECT);
         assert!(text.contains("G1Y15S500F1200\nS0\nM9\nM8\nX20S500\n"), "{text}");
+    }
+
+    #[test]
+    fn a_contour_that_would_starve_is_cut_at_constant_power_and_the_next_is_not() {
+        let cut =
+            |x: f64, constant_power| Contour { constant_power, ..contour(line(x, 0.0, x, 9.0), Role::Slit, Air::Off) };
+        let text = text(vec![cut(1.0, true), cut(2.0, true), cut(3.0, false)], &DIALECT);
+        let modes: Vec<&str> = text.lines().filter(|l| l.starts_with("M3") || l.starts_with("M4")).collect();
+        assert_eq!(modes, ["M3S0", "M4S0"], "{text}");
+        assert!(text.contains("G0X2Y0S0\nG1Y9S500\nG0X3Y0S0\nM4S0\nG1Y9S500"), "{text}");
+    }
+
+    #[test]
+    fn a_second_pass_goes_deeper_and_a_way_round_is_a_travel() {
+        let stroke = contour(line(1.0, 0.0, 1.0, 9.0), Role::Slit, Air::Off);
+        let back = contour(line(1.0, 9.0, 1.0, 0.0), Role::Slit, Air::Off);
+        let round =
+            Contour { way: vec![P2::new(50.0, 60.0)], ..contour(line(70.0, 0.0, 80.0, 0.0), Role::Slit, Air::Off) };
+        let text = text(vec![stroke, Contour { depth_mm: 0.5, ..back }, round], &DIALECT);
+        assert!(text.contains("G1Y9S500F1200\nG0Z-0.5S0\nG1Y0S500"), "{text}");
+        assert!(text.contains("G0X50Y60S0\nX70Y0S0\nG0Z0S0\nG1X80S500"), "{text}");
+        let deep = Contour { depth_mm: 0.5, ..contour(line(1.0, 9.0, 1.0, 0.0), Role::Slit, Air::Off) };
+        let text = self::text(vec![deep], &DIALECT);
+        assert!(text.ends_with("M5S0\nG0Z0\nG0X0Y0\nM2\n"), "it ends where it was focused: {text}");
+    }
+
+    #[test]
+    fn a_pen_is_lowered_for_every_run_and_lifted_before_every_travel() {
+        let runs = || {
+            vec![
+                contour(line(1.0, 0.0, 1.0, 9.0), Role::Slit, Air::Off),
+                contour(line(3.0, 0.0, 3.0, 9.0), Role::Slit, Air::Off),
+            ]
+        };
+        let servo = Dialect { tool: ToolWords::Servo { down_s: 90.0, up_s: 40.0, dwell_s: 0.2 }, ..DIALECT };
+        let by_servo = text(runs(), &servo);
+        assert!(
+            by_servo.contains("M3S40\nG4P0.2\nG0X1Y0\nM3S90\nG4P0.2\nG1Y9F1200\nM3S40\nG4P0.2\nG0X3Y0\nM3S90"),
+            "{by_servo}"
+        );
+        let lift = ToolWords::Lift { down_mm: 0.0, up_mm: 3.0, feed_mm_per_min: 800.0, dwell_s: 0.0 };
+        let by_z = text(runs(), &Dialect { tool: lift, ..DIALECT });
+        assert!(by_z.contains("G0Z3\nX1Y0\nG1Z0F800\nY9F1200\nG0Z3\nX3Y0\nG1Z0F800\nY9F1200\nG0Z3\nM5S0"), "{by_z}");
+    }
+
+    #[test]
+    fn a_job_from_here_sets_its_zero_for_itself_only() {
+        let text = text(
+            vec![contour(line(1.0, 0.0, 1.0, 9.0), Role::Slit, Air::Off)],
+            &Dialect { from_here: true, ..DIALECT },
+        );
+        assert!(text.contains("M5S0\nG92X0Y0\n") && text.ends_with("G0X0Y0\nG92.1\nM2\n"), "{text}");
     }
 
     #[test]
@@ -291,7 +406,7 @@ mod tests {
         ) {
             let contours: Vec<Contour> = paths.into_iter().map(|p| contour(p, Role::Slit, Air::Off)).collect();
             let toolpath = toolpath(contours.clone());
-            let program = emit(&toolpath, &Header::default(), &Dialect { constant_power, ..DIALECT }).unwrap();
+            let program = emit(&toolpath, &Header::default(), &Dialect { tool: ToolWords::Laser { constant_power }, ..DIALECT }).unwrap();
             prop_assert_eq!(&parse(&program.to_string()).unwrap(), &program);
             prop_assert!(program.to_string().lines().all(|l| l.len() < 79));
             let moves = trace(&program).unwrap();

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! [`trace`] is the only interpreter of G-code in the house; whoever wants to know what a program does reads its [`Move`]s.
-//! The dialect is that of GRBL 1.1 (<https://github.com/gnea/grbl/wiki>) in laser mode.
+//! The dialect is that of GRBL 1.1 (<https://github.com/gnea/grbl/wiki>) in laser mode. Plotters that speak HP-GL get a toolpath by [`emit_plot`], and
+//! [`trace_plot`] tells what a plot does, in the same moves.
 
 mod arc_words;
 mod arcs;
@@ -18,6 +19,7 @@ mod emit;
 mod feeder;
 mod finding;
 mod held_feed;
+mod hpgl;
 mod interpreter;
 mod kinematics;
 mod line_rules;
@@ -35,9 +37,10 @@ mod trace;
 mod words;
 mod writer;
 
-pub use check::{CheckSettings, Checker, Energy, Report, Witness, check};
-pub use emit::{AirWords, Dialect, Error, Header, emit};
+pub use check::{CheckSettings, Checker, Energy, Report, Witness, check, check_moves};
+pub use emit::{AirWords, Dialect, Error, Header, ToolWords, emit};
 pub use finding::Finding;
+pub use hpgl::{PlotError, Plotter, emit_plot, is_plot, trace_plot};
 pub use interpreter::{Interpreter, Modal};
 pub use lines::read_lines;
 pub use moves::{Action, Beam, Move};

@@ -68,6 +68,15 @@ impl Move {
         self.feeds() && self.beam != Beam::Off && self.power_s > 0.0
     }
 
+    /// True for what leaves a trace: a laser's burning moves, another tool's moves at a feed along the sheet.
+    pub fn works(&self, laser: bool) -> bool {
+        if laser {
+            self.burns()
+        } else {
+            self.feeds() && (self.from.xy() != self.to.xy() || !matches!(self.action, Action::Line))
+        }
+    }
+
     /// True for moves at a feed: lines and arcs.
     pub fn feeds(&self) -> bool {
         matches!(self.action, Action::Line | Action::Arc { .. })

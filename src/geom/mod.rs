@@ -11,6 +11,7 @@ mod path;
 mod polygon;
 mod similarity;
 mod snap;
+mod thickness;
 pub mod tolerance;
 
 pub use arrangement::{Coverage, Enclosed, clip, enclosed};
@@ -22,6 +23,7 @@ pub use polygon::{
 };
 pub use similarity::similarity;
 pub use snap::snap_round;
+pub use thickness::{long_side, thickness};
 
 /// A position in a plane.
 pub type P2 = nalgebra::Point2<f64>;

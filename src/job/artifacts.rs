@@ -4,7 +4,7 @@ use super::output::Stage;
 use super::settings::Setup;
 use super::sheets::Sheets;
 use super::strips::Strips;
-use super::{Error, Order, Realised, assembly, dry_run, pictures, ruffle_json};
+use super::{Error, Order, Realised, assembly, dry_run, offcuts, pictures, ruffle_json};
 use crate::drawing::{self, Drawing};
 use crate::preview::{Canvas, Run};
 use crate::progress::{Observer, Progress};
@@ -64,8 +64,15 @@ pub(super) fn write(
             stage.write(&format!("sheets/{}-kerf.svg", sheet.file), svg.as_bytes())?;
         }
         stage.write(&name("dxf"), drawing::dxf(&sheet.drawings).as_bytes())?;
+        if let Some(rest) = &sheet.offcut {
+            let (file, svg) = offcuts::file(&sheet.file, rest);
+            stage.write(&file, svg.as_bytes())?;
+        }
+        if let Some(pen) = &sheet.pen {
+            stage.write(&format!("pen/{}.{}", sheet.file, sheet.ending), pen.as_bytes())?;
+        }
         if !setup.by_hand() {
-            stage.write(&name("nc"), sheet.program.to_string().as_bytes())?;
+            stage.write(&name(sheet.ending), sheet.text.as_bytes())?;
             png(stage, &name("png"), &pictures::sheet(sheet, run, setup), pictures::SHEET_PX)?;
         }
     }

@@ -4,8 +4,9 @@ use super::settings::Setup;
 use super::sheets::{Sheets, minutes};
 use super::strips::Strips;
 use super::{Order, Realised};
-use crate::assembly::{Book, Card, CutSheet, Handling, book, patterns};
-use crate::config::{Grain, LabelKind, Process, StockGrain};
+use crate::assembly::{self, Book, Card, CutSheet, Handling, Marks, Paper, book, patterns};
+use crate::config::{Grain, LabelKind, Process, StockGrain, ToolClass};
+use crate::design::{self, StripAlong};
 
 /// The assembly sheets.
 pub(super) const FILE: &str = "assembly.pdf";
@@ -46,7 +47,10 @@ pub(super) fn files(
     let job = Book {
         name: &order.name,
         hash: &hash,
-        paper: order.paper,
+        paper: match order.design.paper {
+            design::Paper::A4 => Paper::A4,
+            design::Paper::Letter => Paper::Letter,
+        },
         mesh: realised.mesh.as_ref(),
         parts: &realised.parts,
         pieces: &strips.pieces,
@@ -56,8 +60,12 @@ pub(super) fn files(
         handling: Handling {
             flap_s: if directional { PAPER_FLAP_S } else { SOFT_FLAP_S },
             rod_mm: (2.0 * setup.profile.min_bend_radius_mm).max(LEAST_ROD_MM),
-            grain_known: directional.then_some(known),
-            lettered: matches!(setup.label_kind(), LabelKind::Engrave | LabelKind::Pen | LabelKind::Perforate),
+            grain: directional.then_some(assembly::Grain { along: setup.strip_along == StripAlong::Grain, known }),
+            marks: match setup.label_kind() {
+                LabelKind::Engrave | LabelKind::Pen | LabelKind::Perforate => Marks::Letters,
+                LabelKind::Notch => Marks::Notches,
+                LabelKind::Map => Marks::Nothing,
+            },
         },
     };
     let mut files = vec![(FILE, book(&job))];
@@ -72,10 +80,7 @@ fn card(setup: &Setup, sheets: &Sheets) -> Card {
     let (machine, profile, pairing) = (&setup.machine, &setup.profile, &setup.pairing);
     let mut facts = vec![("Machine", machine.title.clone()), ("Material", profile.title.clone())];
     if !setup.by_hand() {
-        facts.push(("Cut", process(&pairing.cut)));
-        facts.push(("Kerf", format!("{} mm, already in the programs", pairing.cut.kerf_mm)));
-        let marks = pairing.engrave.as_ref().map_or("nothing is engraved".to_owned(), process);
-        facts.push(("Engrave", marks));
+        facts.extend(at_the_machine(setup));
         let total_s: f64 = sheets.sheets.iter().map(|sheet| sheet.time_s).sum();
         facts.push(("Time", format!("{} in all", minutes(total_s))));
     }
@@ -94,13 +99,41 @@ fn card(setup: &Setup, sheets: &Sheets) -> Card {
     }
 }
 
-fn process(process: &Process) -> String {
-    let passes = if process.passes == 1 { "1 pass".to_owned() } else { format!("{} passes", process.passes) };
-    format!(
-        "{:.0} mm/min ({:.0} mm/s), power {:.0} %, {passes}, air {}",
-        process.feed_mm_per_min,
-        process.feed_mm_per_min / 60.0,
-        100.0 * process.power,
-        process.air.word()
-    )
+/// How it is cut and marked.
+fn at_the_machine(setup: &Setup) -> Vec<(&'static str, String)> {
+    let cut = &setup.pairing.cut;
+    let told = |process: &Process| told(process, setup.machine.tool.class);
+    if setup.machine.tool.class == ToolClass::Pen {
+        return vec![("Lines", told(cut))];
+    }
+    let mut facts = vec![("Cut", told(cut))];
+    if cut.kerf_mm > 0.0 {
+        facts.push(("Kerf", format!("{} mm, already in the programs", cut.kerf_mm)));
+    }
+    let labels = match (setup.marking(), setup.pen(), setup.label_kind()) {
+        (Some(marks), ..) => told(marks),
+        (None, Some(_), _) => "drawn first by a pen in the tool's place: the programs in pen/, same zero".into(),
+        (None, None, LabelKind::Pen) => "with a pen: black in sheets/*.svg and *.dxf, layer \"engrave\"".into(),
+        (None, None, LabelKind::Perforate) => "numbers are cut in dashes".into(),
+        (None, None, LabelKind::Notch) => "notches in the edges are cut with the outlines".into(),
+        (None, None, LabelKind::Engrave | LabelKind::Map) => "nothing".into(),
+    };
+    facts.push(("Labels", labels));
+    facts
+}
+
+fn told(process: &Process, tool: ToolClass) -> String {
+    let passes = match process.pass_power.len() {
+        1 => "1 pass".to_owned(),
+        n => format!("{n} passes"),
+    };
+    let feed = process.feed_mm_per_min;
+    let speed = format!("{feed:.0} mm/min ({:.0} mm/s)", feed / 60.0);
+    match (tool.is_laser(), process.blade) {
+        (true, _) => format!("{speed}, power {:.0} %, {passes}, air {}", 100.0 * process.power, process.air.word()),
+        (false, Some(blade)) => {
+            format!("{speed}, blade {:.0} deg, {:.0} gf, {passes}", blade.angle_deg, blade.force_gf)
+        }
+        (false, None) => format!("{speed}, {passes}"),
+    }
 }

@@ -1,5 +1,6 @@
 //! Changing a design: what is asked for becomes an edit, the edited design is worked out, and only then is there a new text.
 
+use super::proposal::split_edit;
 use super::survey::{PartSurvey, Survey, survey};
 use super::{Error, Order, Source};
 use crate::config::Library;
@@ -43,6 +44,19 @@ pub enum Request {
         /// How far it is moved along its normal, mm.
         offset_mm: f64,
     },
+    /// Cut in two.
+    Split(Cut, Option<String>),
+}
+
+/// Where a part is cut in two; its new part is what lies ahead.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cut {
+    /// Along an upright line of the picture, so far to the right of its origin, mm. The new part is on the right.
+    U(f64),
+    /// Along a level line of the picture, so far up, mm. The new part is above.
+    V(f64),
+    /// Along any plane: a point on it, mesh frame, mm, and its normal.
+    Plane([f64; 3], [f64; 3]),
 }
 
 /// A design after a change that works.
@@ -56,6 +70,8 @@ pub struct Changed {
     pub before: PartSurvey,
     /// The part now.
     pub after: PartSurvey,
+    /// The new part, where the change was a split.
+    pub added: Option<PartSurvey>,
     /// What the user should know about the part now.
     pub warnings: Vec<crate::progress::Warning>,
     /// The design file's new text.
@@ -75,7 +91,7 @@ pub fn change(
     observer: &mut dyn Observer,
 ) -> Result<Changed, Error> {
     let before = part_of(survey(order, library, observer)?, part)?;
-    let mut edit = edit(&before, request)?;
+    let mut edit = edit(&order.design, &before, request)?;
     if edit.changes_strip() && !layers_are_said(&order.design, part) {
         // Numbers mean something for a stack of so many layers only.
         edit.set_on(Base { layers: before.layers.unwrap_or(1), stack: Some(before.stack) });
@@ -89,9 +105,12 @@ pub fn change(
     edited.source = Some(Source { file: source.file.clone(), text: text.clone() });
     let number = design.edits.len();
     let survey = survey(&edited, library, observer).map_err(|error| refused(error, number, &edit))?;
-    let warnings = survey.warnings.iter().filter(|w| w.part.as_deref().is_none_or(|p| p == part)).cloned().collect();
+    let new = if let Edit::Split { new, .. } = &edit { Some(new.as_str()) } else { None };
+    let told = |name: Option<&str>| name.is_none_or(|p| p == part || Some(p) == new);
+    let warnings = survey.warnings.iter().filter(|w| told(w.part.as_deref())).cloned().collect();
+    let added = survey.parts.iter().find(|p| Some(p.name.as_str()) == new).cloned();
     let after = part_of(survey, part)?;
-    Ok(Changed { edit: edit.to_string(), number, before, after, warnings, text })
+    Ok(Changed { edit: edit.to_string(), number, before, after, added, warnings, text })
 }
 
 /// A part out of a survey.
@@ -117,14 +136,14 @@ fn refused(error: Error, number: usize, edit: &Edit) -> Error {
 
 /// Whether the file says how many layers a part has.
 fn layers_are_said(design: &Design, name: &str) -> bool {
-    design.parts.iter().filter(|p| p.name == name).any(|part| {
+    design.taken_apart().parts.iter().filter(|p| p.name == name).any(|part| {
         let decided = design.decided(part);
         decided.layers.is_some() || matches!(decided.stack, Some(Stack::Given(_)))
     })
 }
 
-/// The edit that does what is asked to a part that is as `now`.
-fn edit(now: &PartSurvey, request: &Request) -> Result<Edit, Error> {
+/// The edit that does what is asked to a part of `design` that is as `now`.
+fn edit(design: &Design, now: &PartSurvey, request: &Request) -> Result<Edit, Error> {
     let part = now.name.clone();
     let on = None;
     Ok(match request {
@@ -160,6 +179,18 @@ fn edit(now: &PartSurvey, request: &Request) -> Result<Edit, Error> {
             let unit = V3::from(normal).try_normalize(0.0).unwrap_or_default();
             let moved = origin + unit * *offset_mm;
             Edit::Plane { part, origin_mm: [moved.x, moved.y, moved.z].map(rounded), normal }
+        }
+        Request::Split(cut, name) => {
+            let (origin, normal) = match *cut {
+                Cut::U(u) => (now.frame.to_space(P2::new(u, 0.0), 0.0), now.frame.u.into()),
+                Cut::V(v) => (now.frame.to_space(P2::new(0.0, v), 0.0), now.frame.v.into()),
+                Cut::Plane(origin, normal) => (P3::from(origin), normal),
+            };
+            let mut split = split_edit(design, &part, origin, normal);
+            if let (Edit::Split { new, .. }, Some(name)) = (&mut split, name) {
+                new.clone_from(name);
+            }
+            split
         }
     })
 }

@@ -1,18 +1,21 @@
 //! Programs as people look at them before they cut: ours with their sheet, foreign ones with what their comments tell.
 
 use super::Error;
-use super::label::Label;
+use super::label::{Label, SheetLabel};
 use super::settings;
 use super::sheets::CutSheet;
 use super::stock::parse_stock;
-use crate::config::{Corner, Grain, Library, Machine, Profile, StockGrain};
-use crate::gcode::{self, Move};
-use crate::geom::{P2, Rect, V2};
+use crate::config::{Grain, Library, Machine, Profile, StockGrain};
+use crate::gcode::{self, Move, Program};
+use crate::geom::{Motion, P2, Rect, V2};
 use crate::preview::{Bed, ColorBy, GrainRun, MAX_MOVES, Run, Stock, html, run_canvas};
 use crate::progress::Warning;
 
 /// The machine a program is shown on when neither the user nor the program names one.
 const USUAL_MACHINE: &str = "diode-400";
+
+/// The plotter a plot is shown on, which names none.
+const USUAL_PLOTTER: &str = "roll-610";
 
 /// The page of a job, in its folder.
 pub(super) const PAGE: &str = "preview.html";
@@ -59,8 +62,8 @@ pub struct Looked {
 /// # Errors
 /// A machine or material that is not known, text that is no G-code, a program that GRBL would refuse, or one too large for a page.
 pub fn look(order: &Look, library: &Library, form: Form, by: ColorBy) -> Result<Looked, Error> {
-    let program = gcode::parse(order.text).map_err(|source| Error::Parse { file: order.name.into(), source })?;
-    let moves = gcode::trace(&program).map_err(|source| Error::Trace { sheet: order.name.into(), source })?;
+    let plot = gcode::is_plot(order.text);
+    let program = if plot { Program::default() } else { parsed(order)? };
     let label = Label::of(&program);
     // A name in a comment may be of another computer's library; one on the command line must be known.
     let known = |name: Option<&str>| name.and_then(|n| library.machine(n).ok());
@@ -68,14 +71,23 @@ pub fn look(order: &Look, library: &Library, form: Form, by: ColorBy) -> Result<
         Some(name) => (library.machine(name)?, false),
         None => match known(label.machine.as_deref()) {
             Some(machine) => (machine, false),
-            None => (library.machine(USUAL_MACHINE)?, true),
+            None => (library.machine(if plot { USUAL_PLOTTER } else { USUAL_MACHINE })?, true),
         },
+    };
+    let moves = if plot {
+        let feed_mm_per_min = machine.max_feed_mm_per_min();
+        gcode::trace_plot(order.text, feed_mm_per_min)
+            .map_err(|source| Error::Plot { file: order.name.into(), source })?
+    } else {
+        gcode::trace(&program).map_err(|source| Error::Trace { sheet: order.name.into(), source })?
     };
     let profile = match order.material {
         Some(name) => Some(library.profile(name)?),
         None => label.material.and_then(|name| library.profile(&name).ok()),
     };
-    let stock = label.sheet.map(|sheet| stock(&sheet.stock, sheet.width_mm, sheet.height_mm, profile.as_ref()));
+    let motion = label.lies.unwrap_or_else(Motion::identity);
+    let lying = |sheet: SheetLabel| stock(&sheet.stock, sheet.width_mm, sheet.height_mm, &motion, profile.as_ref());
+    let stock = label.sheet.map(lying);
     let limits = settings::limits(&machine);
     let mut notes = Vec::new();
     notes.extend(profile.as_ref().map(|p| p.title.clone()));
@@ -90,7 +102,9 @@ pub fn look(order: &Look, library: &Library, form: Form, by: ColorBy) -> Result<
     let time_s = timing.total_s;
     let name = order.name.to_owned();
     let run = Run { name, text: order.text.into(), moves: &moves, timing, stock, labels: Vec::new(), notes };
-    let bed = bed(&machine);
+    let mut bed = bed(&machine);
+    // A pen beside a laser draws without light.
+    bed.laser &= label.tool.is_none();
     let picture = |source| Error::Picture { file: order.name.into(), source };
     let bytes = match form {
         Form::Html => html(order.name, std::slice::from_ref(&run), &bed, by).map_err(picture)?.into_bytes(),
@@ -100,53 +114,53 @@ pub fn look(order: &Look, library: &Library, form: Form, by: ColorBy) -> Result<
     Ok(Looked { bytes, time_s, machine: machine.name, guessed })
 }
 
+fn parsed(order: &Look) -> Result<Program, Error> {
+    gcode::parse(order.text).map_err(|source| Error::Parse { file: order.name.into(), source })
+}
+
 /// The bed of a machine. Work X0 Y0 lies in the machine's origin corner.
 pub(super) fn bed(machine: &Machine) -> Bed {
-    let [width, height] = machine.reach_mm();
-    let least = match machine.origin {
-        Corner::FrontLeft => P2::new(0.0, 0.0),
-        Corner::FrontRight => P2::new(-width, 0.0),
-        Corner::BackLeft => P2::new(0.0, -height),
-        Corner::BackRight => P2::new(-width, -height),
-    };
     let keep_outs = machine.keep_outs.iter().map(|k| {
         let min = P2::new(k.x_mm, k.y_mm);
         (k.name.clone(), Rect { min, max: min + V2::new(k.width_mm, k.height_mm) })
     });
     Bed {
         machine: machine.name.clone(),
-        reach: Rect { min: least, max: least + V2::new(width, height) },
+        reach: settings::reach(machine),
         keep_outs: keep_outs.collect(),
         max_s: machine.controller.max_s,
         optical_power_w: machine.tool.optical_power_w,
+        laser: machine.tool.class.is_laser(),
     }
 }
 
-/// A sheet as jobs lay it: with its grain along x.
-pub(super) fn stock(name: &str, width_mm: f64, height_mm: f64, profile: Option<&Profile>) -> Stock {
+/// A sheet as jobs lay it, with its grain along x of the sheet, moved to where it lies on the machine.
+fn stock(name: &str, width_mm: f64, height_mm: f64, motion: &Motion, profile: Option<&Profile>) -> Stock {
+    let lies = Rect::EMPTY.with(motion * P2::origin()).with(motion * P2::new(width_mm, height_mm));
     let directional = profile.filter(|p| p.grain == Grain::Directional);
     let grain = directional.map(|profile| {
         let known = parse_stock(name, profile).is_ok_and(|sheet| sheet.grain != StockGrain::Unknown);
-        GrainRun { along_x: true, known }
+        GrainRun { along_x: (motion.rotation * V2::x()).x.abs() > 0.5, known }
     });
-    Stock { name: name.to_owned(), width_mm, height_mm, grain }
+    Stock { name: name.to_owned(), at: lies.min, width_mm: lies.width(), height_mm: lies.height(), grain }
 }
 
 /// A sheet of a job with its program, moves and the names of its pieces.
 pub(super) fn run<'a>(sheet: &'a CutSheet, setup: &settings::Setup) -> Run<'a> {
     let cut = &setup.pairing.cut;
     let moves: &[Move] = &sheet.moves;
-    let names = sheet.drawings.iter().filter_map(|d| Some((d.outline()?.bounds().center(), d.name.clone())));
+    let motion = &sheet.toolpath.motion;
+    let names = sheet.drawings.iter().filter_map(|d| Some((motion * d.outline()?.bounds().center(), d.name.clone())));
     let mut notes = vec![format!("{}, kerf {} mm", setup.profile.title, cut.kerf_mm)];
     if !cut.calibrated {
         notes.push("UNCALIBRATED: cut a small test piece first".into());
     }
     Run {
         name: sheet.file.clone(),
-        text: sheet.program.to_string(),
+        text: sheet.text.clone(),
         moves,
         timing: gcode::estimate(moves, &setup.limits()),
-        stock: Some(stock(&sheet.stock, sheet.layout.width_mm, sheet.layout.height_mm, Some(&setup.profile))),
+        stock: Some(stock(&sheet.stock, sheet.layout.width_mm, sheet.layout.height_mm, motion, Some(&setup.profile))),
         labels: names.collect(),
         notes,
     }
@@ -214,7 +228,7 @@ mod tests {
     #[test]
     fn the_bed_lies_where_the_machines_zero_puts_it() {
         let library = Library::built_in();
-        let machine = Machine { origin: Corner::BackRight, ..library.machine("k40").unwrap() };
+        let machine = Machine { origin: crate::config::Corner::BackRight, ..library.machine("k40").unwrap() };
         let reach = bed(&machine).reach;
         assert_eq!((reach.min, reach.max), (P2::new(-300.0, -200.0), P2::origin()));
     }
@@ -230,5 +244,31 @@ mod tests {
         assert_eq!(shown([MAX_MOVES, 1].into_iter()), 1);
         assert_eq!(shown([MAX_MOVES - 1, 1, 0].into_iter()), 3);
         assert_eq!(shown([MAX_MOVES + 1].into_iter()), 0);
+    }
+
+    #[test]
+    fn a_turned_sheet_is_shown_where_it_lies() {
+        let turned = Motion::new(V2::new(570.0, 0.0), std::f64::consts::FRAC_PI_2);
+        let lies = stock("roll", 800.0, 570.0, &turned, None).rect();
+        assert!((lies.min - P2::origin()).norm() < 1e-9 && (lies.max - P2::new(570.0, 800.0)).norm() < 1e-9);
+    }
+
+    #[test]
+    fn what_a_pen_beside_a_laser_draws_is_seen() {
+        let program = "; machine: diode-400\n; tool: pen\nG21G90\nG0Z3\nX10\nG1Z0F600\nX60\nG0Z3\nM2";
+        let drawn = |text: &str| {
+            let order = Look { name: "pen.nc", text, machine: None, material: None };
+            let looked = look(&order, &Library::built_in(), Form::Svg, ColorBy::Power).unwrap();
+            // The way with the tool down is a path of its own.
+            String::from_utf8(looked.bytes).unwrap().contains("d=\"M11.8 403.66 H61.8\"")
+        };
+        assert!(drawn(program) && !drawn(&program.replace("; tool: pen\n", "")));
+    }
+
+    #[test]
+    fn a_plot_is_shown_on_a_plotter() {
+        let looked = looked("IN;PA;SP1;\nPU40,40;\nPD4000,40;\nPU0,0;", None).unwrap();
+        assert_eq!((looked.machine.as_str(), looked.guessed), ("roll-610", true));
+        assert!(looked.time_s > 0.1);
     }
 }

@@ -74,7 +74,7 @@ fn done(edit: &Edit, drawn: &Drawn, settings: &EditSettings) -> Result<Drawn, Ed
         }
         Edit::MovePoint { joint, to_mm: [u, v], .. } => ruffle::move_joint(drawn, *joint, P2::new(*u, *v), settings),
         // How a strip is drawn to begin with is decided before it is drawn.
-        Edit::Layers { .. } | Edit::Plane { .. } => Ok(drawn.clone()),
+        Edit::Layers { .. } | Edit::Plane { .. } | Edit::Split { .. } => Ok(drawn.clone()),
     }
 }
 

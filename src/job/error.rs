@@ -11,6 +11,15 @@ pub enum Error {
     /// The design file is not in order.
     #[error(transparent)]
     Design(#[from] crate::design::Error),
+    /// A test card cannot be made, or an answer to it not used.
+    #[error(transparent)]
+    Calibrate(#[from] crate::calibrate::Error),
+    /// A tool that cuts nothing has nothing to calibrate.
+    #[error("{machine} cuts nothing, so there is nothing to calibrate; take a laser or a knife")]
+    NothingCut {
+        /// The machine.
+        machine: String,
+    },
     /// The mesh cannot be used.
     #[error(transparent)]
     Mesh(#[from] crate::mesh::Error),
@@ -109,6 +118,22 @@ pub enum Error {
         /// Where and why.
         source: crate::drawing::Error,
     },
+    /// A drawing of an offcut that shows none, or several.
+    #[error("{file}: {outlines} outlines; an offcut is one closed outline, with holes and blocked places inside it")]
+    Offcut {
+        /// The file.
+        file: String,
+        /// Outermost outlines found.
+        outlines: usize,
+    },
+    /// A value cannot be written as JSON.
+    #[error("{file}: {source}")]
+    Json {
+        /// The file.
+        file: String,
+        /// Why.
+        source: serde_json::Error,
+    },
     /// A file is no G-code.
     #[error("{file}: {source}")]
     Parse {
@@ -161,7 +186,23 @@ pub enum Error {
         /// The machine.
         machine: String,
     },
-    /// This machine cannot make sheets yet.
+    /// A piece that was asked for is not there.
+    #[error("there is no piece {given:?}; the pieces are {known}")]
+    UnknownPiece {
+        /// What was asked for.
+        given: String,
+        /// What there is.
+        known: String,
+    },
+    /// A file that is no plot.
+    #[error("{file}: {source}")]
+    Plot {
+        /// The file.
+        file: String,
+        /// Why not.
+        source: crate::gcode::PlotError,
+    },
+    /// The machine takes sheets where a roll was asked for, or the other way round.
     #[error("machine {machine} {problem}")]
     Machine {
         /// The machine.
@@ -193,9 +234,10 @@ impl Error {
     pub fn refuses_job(&self) -> bool {
         match self {
             Error::Config(e) => e.refuses_job(),
-            Error::Design(_) | Error::Mesh(_) | Error::UnknownStock { .. } => false,
-            Error::Outline { .. } | Error::Drawing { .. } => false,
-            Error::ForeignDesign { .. } | Error::Parse { .. } | Error::File { .. } => false,
+            Error::Design(_) | Error::Mesh(_) | Error::UnknownStock { .. } | Error::UnknownPiece { .. } => false,
+            Error::Calibrate(e) => !e.is_answer(),
+            Error::Outline { .. } | Error::Drawing { .. } | Error::Machine { .. } => false,
+            Error::ForeignDesign { .. } | Error::Parse { .. } | Error::Plot { .. } | Error::File { .. } => false,
             _ => true,
         }
     }

@@ -4,6 +4,7 @@ use std::io::BufRead;
 
 use crate::config::Machine;
 use crate::gcode::{Program, read_lines};
+use crate::geom::{Motion, V2};
 use crate::progress::Warning;
 
 /// A head longer than this many lines is none: that of ours has a dozen.
@@ -20,8 +21,12 @@ pub struct Label {
     pub sheet: Option<SheetLabel>,
     /// Middles of the two alignment crosses, mm in work coordinates; `None` where there are none.
     pub crosses_mm: Option<[[f64; 2]; 2]>,
+    /// How the sheet lies on the machine: from its frame to the work frame; `None` when its lower left corner lies at work zero.
+    pub lies: Option<Motion>,
     /// How the grain must lie: "along X"; `None` where the material has none.
     pub grain: Option<String>,
+    /// What it is made with where that is not the machine's own tool: "pen".
+    pub tool: Option<String>,
     /// Why its values are not to be trusted on its machine; `None` when they were measured there.
     pub uncalibrated: Option<String>,
 }
@@ -74,9 +79,14 @@ impl Label {
             "machine" => &mut self.machine,
             "material" => &mut self.material,
             "grain" => &mut self.grain,
+            "tool" => &mut self.tool,
             "UNCALIBRATED" => &mut self.uncalibrated,
             "crosses" => {
                 self.crosses_mm = self.crosses_mm.or_else(|| read_crosses(value.trim()));
+                return;
+            }
+            "sheet lies" => {
+                self.lies = self.lies.or_else(|| read_motion(value.trim()));
                 return;
             }
             "sheet" => {
@@ -147,12 +157,29 @@ impl std::fmt::Display for SheetLabel {
 /// Reads "X10.000 Y5.000 and X287.000 Y205.000 mm".
 fn read_crosses(text: &str) -> Option<[[f64; 2]; 2]> {
     let (first, second) = text.strip_suffix(" mm")?.split_once(" and ")?;
-    let place = |text: &str| {
-        let (x, y) = text.strip_prefix('X')?.split_once(" Y")?;
-        let number = |text: &str| text.parse::<f64>().ok().filter(|v| v.is_finite());
-        Some([number(x)?, number(y)?])
-    };
-    Some([place(first)?, place(second)?])
+    Some([read_place(first)?, read_place(second)?])
+}
+
+/// Reads "X10.000 Y5.000".
+fn read_place(text: &str) -> Option<[f64; 2]> {
+    let (x, y) = text.strip_prefix('X')?.split_once(" Y")?;
+    Some([read_number(x)?, read_number(y)?])
+}
+
+fn read_number(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|v: &f64| v.is_finite())
+}
+
+/// How a program says where its sheet lies: "X-297 Y0 turned 90".
+pub(super) fn motion_told(motion: &Motion) -> Option<String> {
+    let (shift, turn) = (motion.translation.vector, motion.rotation.angle().to_degrees());
+    let plain = shift.norm() < 1e-6 && turn.abs() < 1e-6;
+    (!plain).then(|| format!("X{:.3} Y{:.3} turned {turn:.0}", shift.x + 0.0, shift.y + 0.0))
+}
+
+fn read_motion(text: &str) -> Option<Motion> {
+    let (place, turn) = text.split_once(" turned ")?;
+    Some(Motion::new(V2::from(read_place(place)?), read_number(turn)?.to_radians()))
 }
 
 #[cfg(test)]
@@ -179,6 +206,17 @@ mod tests {
         for text in ["X1 Y2 mm", "X1 Y2 and X3 mm", "X1 Ynan and X3 Y4 mm", ""] {
             assert_eq!(crosses(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn where_a_sheet_lies_is_told_and_read_back() {
+        let turned = Motion::new(V2::new(570.0, 0.0), std::f64::consts::FRAC_PI_2);
+        let told = motion_told(&turned).unwrap();
+        assert_eq!(told, "X570.000 Y0.000 turned 90");
+        let read = Label::read(format!("; sheet lies: {told}\n").as_bytes()).unwrap().lies.unwrap();
+        let p = crate::geom::P2::new(10.0, 0.0);
+        assert!((read * p - turned * p).norm() < 1e-9);
+        assert_eq!(motion_told(&Motion::identity()), None);
     }
 
     #[test]

@@ -11,15 +11,20 @@ mod artifacts;
 mod assembly;
 mod bodies;
 mod border;
+mod cards;
 mod change;
 mod dry_run;
 mod edits;
 mod error;
 mod label;
+mod machining;
+mod nested;
+mod offcuts;
 mod order;
 mod output;
 mod pictures;
 mod probe;
+mod program;
 mod proposal;
 mod realise;
 mod report;
@@ -35,19 +40,22 @@ mod ties;
 
 pub use crate::ruffle::Role as SectionRole;
 pub use border::take_in;
-pub use change::{Changed, Places, Request, change};
+pub use cards::{Learnt, TestCard, learnt, test_card};
+pub use change::{Changed, Cut, Places, Request, change};
 pub use dry_run::{Form, Look, Looked, look};
 pub use error::Error;
 pub use label::{Label, SheetLabel};
-pub use order::{Order, Overrides, Source};
+pub use nested::{Nestable, Nested, nestables, offcut_stock, write_nested};
+pub use order::{Batch, Order, Overrides, Source, StartFrom};
 pub use probe::{Difference, differences, machine_file, probed};
 pub use realise::{Realised, realise};
-pub use report::Report;
+pub use report::{Report, SheetReport};
 pub use settings::{check_settings, expected, limits};
 pub use sheets::minutes;
 pub use survey::{PartSurvey, SectionSurvey, Survey, survey};
 
-pub use crate::assembly::Paper;
+pub use crate::toolpath::Anchor;
+
 use crate::config::Library;
 use crate::progress::{Observer, Progress, Warning};
 use std::ops::ControlFlow;
@@ -74,7 +82,8 @@ pub fn make(order: &Order, library: &Library, out_dir: &Path, observer: &mut dyn
     output::refuse_foreign_design(out_dir, order)?;
     let realised = realise(&order.design, &order.folder, &setup, &mut observer).map_err(|e| order.placed(e))?;
     let nesting = Instant::now();
-    let strips = strips::strips(&realised, &setup)?;
+    let mut strips = strips::strips(&realised, &setup)?;
+    strips.keep_only(&order.batch.only)?;
     let sheets = sheets::sheets(&strips, &setup, order, &mut observer)?;
     let nest_ms = nesting.elapsed().as_secs_f64() * 1e3;
 

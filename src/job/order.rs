@@ -2,10 +2,10 @@
 
 use super::Error;
 use super::output::{absolute, relative};
-use crate::assembly::Paper;
 use crate::config::Making;
-use crate::design::{self, Design, Edit, Foot, MeshSource, OutlineSource, PartDesign, SCHEMA, StripAlong, Up};
+use crate::design::{self, Design, Edit, Foot, MeshSource, OutlineSource, Paper, PartDesign, SCHEMA, StripAlong, Up};
 use crate::mesh;
+use crate::toolpath::Anchor;
 use sha2::{Digest, Sha256};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -25,8 +25,33 @@ pub struct Order {
     pub force: bool,
     /// Also write drawings with the kerf in them, for programs that know none.
     pub svg_kerf: bool,
-    /// What assembly sheets are printed on.
-    pub paper: Paper,
+    /// What is cut this time, how often, and where the machine begins; no part of the design.
+    pub batch: Batch,
+}
+
+/// What is cut this time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Batch {
+    /// Cut only these pieces, by name ("A3"); empty for all.
+    pub only: Vec<String>,
+    /// Number of sets.
+    pub copies: usize,
+    /// Who each set is for, in order; a set without a name has its number.
+    pub names: Vec<String>,
+    /// Where the machine begins.
+    pub start: StartFrom,
+}
+
+/// Where a job lies on the machine.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum StartFrom {
+    /// The sheet lies in the stop corner, which the machine knows.
+    #[default]
+    Absolute,
+    /// This point of the job lies where the user set work zero.
+    Origin(Anchor),
+    /// This point of the job lies where the head stands when it starts.
+    Current(Anchor),
 }
 
 /// A design file.
@@ -55,6 +80,8 @@ pub struct Overrides {
     pub layers: Option<usize>,
     /// How the foot stands.
     pub foot: Option<Foot>,
+    /// What is put into the printer.
+    pub paper: Option<Paper>,
 }
 
 /// Stands in for a machine or material that neither the design nor the command line names: an empty name is never in a library.
@@ -72,6 +99,7 @@ impl Order {
             material: NOT_NAMED.into(),
             stock: Vec::new(),
             strip_along: StripAlong::Grain,
+            paper: Paper::default(),
             making: Making::default(),
             mesh: Some(MeshSource { file, sha256: Some(sha256_of(&mesh)?), up: None, height_mm: None }),
             splits: Vec::new(),
@@ -79,9 +107,9 @@ impl Order {
             connectors: Vec::new(),
             edits: Vec::new(),
         };
-        let (name, paper) = (stem(&mesh), Paper::default());
+        let name = stem(&mesh);
         let design = overridden(design, overrides)?;
-        Ok(Order { design, source: None, folder, name, force: false, svg_kerf: false, paper })
+        Ok(Order { design, source: None, folder, name, force: false, svg_kerf: false, batch: Batch::default() })
     }
 
     /// A design file.
@@ -105,8 +133,8 @@ impl Order {
             None => design.parts.iter().map(|p| p.name.as_str()).collect::<Vec<&str>>().join("-"),
         };
         let source = Some(Source { file: file.to_owned(), text });
-        let (design, paper) = (overridden(design, overrides)?, Paper::default());
-        Ok(Order { design, source, folder, name, force: false, svg_kerf: false, paper })
+        let design = overridden(design, overrides)?;
+        Ok(Order { design, source, folder, name, force: false, svg_kerf: false, batch: Batch::default() })
     }
 
     /// A design that comes with the program ([`design::built_in`]); any other name is a file that is not there.
@@ -180,7 +208,7 @@ fn is_path(name: &str) -> bool {
 }
 
 fn overridden(mut design: Design, overrides: &Overrides) -> Result<Design, Error> {
-    let Overrides { machine, material, stock, height_mm, up, layers, foot } = overrides.clone();
+    let Overrides { machine, material, stock, height_mm, up, layers, foot, paper } = overrides.clone();
     for (from_command_line, own) in [(machine, &mut design.machine), (material, &mut design.material)] {
         match from_command_line {
             Some(path) if is_path(&path) => *own = absolute(Path::new(&path))?.display().to_string(),
@@ -191,6 +219,7 @@ fn overridden(mut design: Design, overrides: &Overrides) -> Result<Design, Error
     if !stock.is_empty() {
         design.stock = stock;
     }
+    design.paper = paper.unwrap_or(design.paper);
     if let Some(mesh) = &mut design.mesh {
         mesh.height_mm = height_mm.or(mesh.height_mm);
         mesh.up = up.or(mesh.up);

@@ -14,8 +14,12 @@ pub(super) struct Stage {
 }
 
 /// Folders whose files are all ours: what an earlier run left there and this one does not replace is removed, so that nobody cuts a sheet of last week.
-const OWN_FOLDERS: [(&str, &[&str]); 3] =
-    [("parts", &["svg", "png"]), ("strips", &["svg", "dxf"]), ("sheets", &["svg", "dxf", "nc", "png"])];
+const OWN_FOLDERS: [(&str, &[&str]); 4] = [
+    ("parts", &["svg", "png"]),
+    ("strips", &["svg", "dxf"]),
+    ("sheets", &["svg", "dxf", "nc", "png"]),
+    ("offcuts", &["svg"]),
+];
 
 /// Files of ours beside them that not every job has.
 const OWN_FILES: [&str; 2] = [assembly::PATTERNS, dry_run::PAGE];

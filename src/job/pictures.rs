@@ -24,6 +24,7 @@ pub(super) fn part(part: &Part) -> Canvas {
     let foot = match report.foot {
         FootUsed::Free => "stands free",
         FootUsed::Pinned => "foot glued",
+        FootUsed::Tied => "tied to what it rests on",
     };
     part_canvas(&PartView {
         name: &part.name,
@@ -50,7 +51,8 @@ pub(super) fn part(part: &Part) -> Canvas {
 
 /// What the machine will do on a sheet, drawn from the program's own moves.
 pub(super) fn sheet(sheet: &CutSheet, run: &Run, setup: &Setup) -> Canvas {
-    let moves: Vec<SheetMove> = kinds(&sheet.moves, &sheet.toolpath)
+    let laser = setup.machine.tool.class.is_laser();
+    let moves: Vec<SheetMove> = kinds(&sheet.moves, &sheet.toolpath, laser)
         .map(|(m, kind)| SheetMove { points: flattened(m), pen: kind as usize })
         .collect();
     let pens: Vec<Pen> = MoveKind::ALL.map(MoveKind::pen).into();
@@ -68,35 +70,42 @@ pub(super) fn sheet(sheet: &CutSheet, run: &Run, setup: &Setup) -> Canvas {
         legend: vec![
             format!("planned time {}", minutes(sheet.time_s)),
             format!(
-                "{}: {:.0} mm/min, {:.1} %, kerf {} mm{}",
+                "{}: {}{}",
                 setup.machine.name,
-                cut.feed_mm_per_min,
-                100.0 * cut.power,
-                cut.kerf_mm,
+                setup.cut_told(),
                 if cut.calibrated { "" } else { ", UNCALIBRATED" }
             ),
         ],
     })
 }
 
-/// Tells engraving, inner cuts and outlines apart: the program makes them in this order, so the length burnt so far says which it is.
-fn kinds<'a>(moves: &'a [Move], toolpath: &Toolpath) -> impl Iterator<Item = (&'a Move, MoveKind)> {
-    let engraved = toolpath.length_mm(Operation::Engrave);
-    let inner = engraved + toolpath.length_mm(Operation::CutInner);
-    let mut burnt = 0.0;
+/// Tells engraving, inner cuts and outlines apart: the program makes the runs of the tool path one after the other, so the length made so far says
+/// which it is.
+fn kinds<'a>(moves: &'a [Move], toolpath: &Toolpath, laser: bool) -> impl Iterator<Item = (&'a Move, MoveKind)> {
+    let mut ends: Vec<(f64, MoveKind)> = Vec::new();
+    let mut total = 0.0;
+    for contour in &toolpath.contours {
+        total += contour.path.length();
+        let kind = match contour.operation {
+            Operation::Engrave => MoveKind::Engrave,
+            Operation::CutInner => MoveKind::CutInner,
+            Operation::CutOutline => MoveKind::CutOutline,
+        };
+        match ends.last_mut() {
+            Some(last) if last.1 == kind => last.0 = total,
+            _ => ends.push((total, kind)),
+        }
+    }
+    let (mut made, mut at) = (0.0, 0);
     moves.iter().filter(|m| m.length_mm() > 0.0).map(move |m| {
-        if !m.burns() {
+        if !m.works(laser) {
             return (m, MoveKind::Travel);
         }
-        let middle = burnt + 0.5 * m.length_mm();
-        burnt += m.length_mm();
-        let kind = if middle < engraved {
-            MoveKind::Engrave
-        } else if middle < inner {
-            MoveKind::CutInner
-        } else {
-            MoveKind::CutOutline
-        };
-        (m, kind)
+        let middle = made + 0.5 * m.length_mm();
+        made += m.length_mm();
+        while at + 1 < ends.len() && middle > ends[at].0 {
+            at += 1;
+        }
+        (m, ends.get(at).map_or(MoveKind::CutOutline, |end| end.1))
     })
 }

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use toml_edit::DocumentMut;
 
-use crate::config::{Corner, Machine, ToolClass};
+use crate::config::{Corner, Lift, Machine, ToolClass};
 use crate::stream::Board;
 
 /// Keys of a machine file that a board can tell, and the setting that does.
@@ -21,6 +21,9 @@ const TOLD: [(&str, &str); 11] = [
     ("baud", "the speed it answered at"),
 ];
 
+/// How a pen is lifted where only the board is known: by a z axis, which more plotters have than a servo.
+const USUAL_LIFT: Lift = Lift { down_mm: 0.0, up_mm: 3.0, feed_mm_per_min: 800.0, dwell_s: 0.0 };
+
 /// A value that is one thing in a machine file and another on the board.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Difference {
@@ -33,7 +36,7 @@ pub struct Difference {
 }
 
 /// The machine a board says it drives. What it cannot tell (the tool, air, what to do before a job) is that of `base`; the beam stays off while borders
-/// are traced, because that is the owner's to allow. A board without laser mode is taken for a pen plotter's. Values a machine cannot
+/// are traced, because that is the owner's to allow. A board without laser mode is taken for a plotter's, its pen lifted by z. Values a machine cannot
 /// have (a feed of 0) are those of `base` too.
 pub fn probed(board: &Board, base: &Machine, name: &str) -> Machine {
     let mut machine = base.clone();
@@ -60,6 +63,7 @@ pub fn probed(board: &Board, base: &Machine, name: &str) -> Machine {
     }
     if !machine.controller.laser_mode && machine.tool.class.is_laser() {
         machine.tool.class = ToolClass::Pen;
+        machine.tool.lift = Some(USUAL_LIFT);
         (machine.tool.optical_power_w, machine.tool.spot_mm, machine.tool.power_floor) = (None, None, 0.0);
         machine.setup.clear();
     }

@@ -27,8 +27,6 @@ pub struct Realised {
     pub parts: Vec<Part>,
     /// Joints of different parts that connectors tie.
     pub ties: Vec<[PartJoint; 2]>,
-    /// For each part whether its foot is held by a base card.
-    pub based: Vec<bool>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
     /// Time spent filling, ms.
@@ -39,6 +37,7 @@ pub struct Realised {
 
 /// Works a design out; files it names lie in `folder`. Every start is fixed, so the same design gives the same parts.
 pub fn realise(design: &Design, folder: &Path, setup: &Setup, observer: &mut dyn Observer) -> Result<Realised, Error> {
+    let design = &design.taken_apart();
     let mut warnings = Vec::new();
     let mesh = loaded(design, folder, setup, &mut warnings)?;
     let Bodies { meshes, warnings: apart } = bodies::bodies(design, mesh.as_ref())?;
@@ -74,13 +73,17 @@ pub fn realise(design: &Design, folder: &Path, setup: &Setup, observer: &mut dyn
     let targets: Vec<Target> = (0..parts.len())
         .map(|i| Target { outline: &outlines[i], ..target(&parts[i], &shapes[i], &material) })
         .collect();
-    let settled = fit::settle_together(&targets, &settings, filled, &standing.forest)?;
+    let mut settled = fit::settle_together(&targets, &settings, filled, &standing.forest)?;
+    let held = |(i, part): &(usize, &mut Part)| !standing.on_the_ground(*i) && part.report.foot == FootUsed::Pinned;
+    for (_, part) in settled.iter_mut().enumerate().filter(held) {
+        // Connectors tie it to what it rests on.
+        part.report.foot = FootUsed::Tied;
+    }
     let ties = ties::ties(design, &settled, &standing.meetings);
     let solve_ms = began.elapsed().as_secs_f64() * 1e3;
 
-    let mut realised = Realised { mesh, parts: settled, ties, based: Vec::new(), warnings, fit_ms, solve_ms };
+    let mut realised = Realised { mesh, parts: settled, ties, warnings, fit_ms, solve_ms };
     for (i, part) in realised.parts.iter().enumerate() {
-        realised.based.push(part.report.foot == FootUsed::Pinned && standing.on_the_ground(i));
         realised.warnings.extend(fit::warnings(part, &settings[i]));
         if meshes[i].is_some() {
             realised.warnings.extend(proposal::emptiness(design, part));

@@ -213,7 +213,7 @@ pub(super) fn report(
         piece: c.piece.name.clone(),
     });
     let cut_sheets = sheets.sheets.iter().map(|sheet| SheetReport {
-        file: format!("sheets/{}.{}", sheet.file, if setup.by_hand() { "svg" } else { "nc" }),
+        file: format!("sheets/{}.{}", sheet.file, sheet.ending),
         stock: sheet.stock.clone(),
         width_mm: rounded(sheet.layout.width_mm),
         length_mm: rounded(sheet.layout.height_mm),
@@ -224,7 +224,7 @@ pub(super) fn report(
         travel_mm: rounded(sheet.toolpath.travel_mm),
         travel_unordered_mm: rounded(sheet.toolpath.travel_unordered_mm),
         time_s: rounded(sheet.time_s),
-        lines: sheet.program.lines.len(),
+        lines: sheet.text.lines().count(),
     });
     let sum = |of: fn(&super::sheets::CutSheet) -> f64| rounded(sheets.sheets.iter().map(of).sum());
     let hold = setup.joint().hold(setup.pairing.cut.kerf_mm);

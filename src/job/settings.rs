@@ -1,24 +1,27 @@
 //! The only place where machine and profile become the stages' settings.
 
 use super::Error;
+use super::machining::obstacles;
 use crate::config::{
-    self, Air, AirCode, Corner, Grain, JointKind, LabelKind, Library, Machine, Making, Pairing, Profile, SpliceKind,
+    self, AirCode, Corner, Grain, JointKind, LabelKind, Library, Machine, Making, Pairing, Profile, SpliceKind,
     ToolClass, VisibleFace,
 };
-use crate::design::{Design, Foot, MeshSource, Method, PartDesign, Stack, StripAlong, Up};
+use crate::design::{Design, Foot, MeshSource, Method, Paper, PartDesign, Stack, StripAlong, Up};
 use crate::geom::{P2, Rect};
 use crate::progress::Warning;
 use crate::ruffle::Limits;
-use crate::{cut, fit, gcode, mesh, nest, sim, stream, strip, toolpath};
+use crate::{cut, fit, gcode, mesh, nest, sim, stream, strip};
 
-/// Sheets thinner than this, mm, lift and blow away when nothing holds them.
-const THIN_MM: f64 = 0.5;
 /// Letters a pen draws are legible from this height, mm, and letters cut in dashes from this (materials practice).
 const PEN_LABEL_MM: f64 = 5.0;
 const PERFORATED_LABEL_MM: f64 = 6.0;
 
 /// Pieces keep this far from the edge of stock that goes through a printer, mm: what [`crate::assembly::patterns`] needs to put a full A4 sheet on one page.
 const PRINT_MARGIN_MM: f64 = 13.0;
+
+/// How long `make` nests: a few tenths of a second for the pieces of an object. `furbelow nest` goes on as long as is wanted.
+const NEST_EFFORT: u64 = 25_000;
+const NEST_SEED: u64 = 1;
 
 /// Machine, material and how they go together.
 #[derive(Debug, Clone)]
@@ -33,6 +36,8 @@ pub struct Setup {
     pub stock: Vec<String>,
     /// Which way strips run in the sheet.
     pub strip_along: StripAlong,
+    /// What sheets for people are printed on.
+    pub paper: Paper,
     /// How strips are fastened, divided and labelled, where the design says so.
     pub making: Making,
     /// What the user should know about the pair.
@@ -45,51 +50,25 @@ impl Setup {
         let machine = library.machine(&design.machine)?;
         let profile = library.profile(&design.material)?;
         let pairing = machine.pair(&profile)?;
-        let unusable = |problem: &str| Err(Error::Machine { machine: machine.name.clone(), problem: problem.into() });
-        if machine.work_area.is_none() {
-            return unusable("has no work_area: sheets need a flat bed");
-        }
-        let by_hand = machine.tool.class == ToolClass::Scissors;
-        if !machine.tool.class.is_laser() && !by_hand {
-            return unusable(
-                "has no laser: take the drawings in strips/ and sheets/ of a laser job to your cutter's own program",
-            );
-        }
-        if machine.origin != Corner::FrontLeft {
-            return unusable(
-                "has its origin elsewhere than front-left: sheets are written with X0 Y0 at their lower left corner; set the zero there and say origin = \"front-left\"",
-            );
-        }
-        let mut warnings = pairing.warnings.clone();
-        if profile.thickness_mm < THIN_MM && !by_hand {
-            warnings.push(Warning::new(
-                "not-held",
-                "nothing holds a piece once its outline is cut: use a tacky mat or a honeycomb with magnets, and little air",
-            ));
-        }
-        let floor = machine.tool.power_floor;
-        if machine.tool.class == ToolClass::Co2 && pairing.cut.power < 2.0 * floor {
-            warnings.push(Warning::new(
-                "power-floor",
-                format!(
-                    "power follows speed, and below {:.0} % {}'s tube does not strike: at {:.0} % the ends of short cuts may stay attached",
-                    100.0 * floor,
-                    machine.name,
-                    100.0 * pairing.cut.power
-                ),
-            ));
-        }
+        let warnings = pairing.warnings.clone();
         let mut setup = Setup {
             stock: design.stock.clone(),
             strip_along: design.strip_along,
+            paper: design.paper,
             making: design.making,
             machine,
             profile,
             pairing,
             warnings,
         };
+        if setup.is_loose() {
+            setup.warnings.push(Warning::new(
+                "not-held",
+                "nothing holds a piece once its outline is cut: use a tacky mat or a honeycomb with magnets, and little air",
+            ));
+        }
         setup.warnings.extend(setup.label_warning());
-        if setup.joint().fastening == strip::Fastening::Mark && setup.label_kind() != LabelKind::Engrave {
+        if setup.joint().fastening == strip::Fastening::Mark && setup.marking().is_none() {
             setup.warnings.push(Warning::new(
                 "marks-not-made",
                 "joints are to be taped or glued where they are marked, and nothing is engraved: the crosses are only in the drawings in strips/ and sheets/",
@@ -98,11 +77,25 @@ impl Setup {
         Ok(setup)
     }
 
+    /// For a test card: nothing is known yet, so a laser's values are carried over from any power.
+    pub(super) fn for_test(machine: &str, material: &str, library: &Library) -> Result<Setup, Error> {
+        let (machine, profile) = (library.machine(machine)?, library.profile(material)?);
+        let pairing = machine.trial(&profile)?;
+        let (stock, strip_along, paper, making, warnings) = Default::default();
+        Ok(Setup { machine, profile, pairing, stock, strip_along, paper, making, warnings })
+    }
+
     /// What the chosen labels ask of the user.
     fn label_warning(&self) -> Option<Warning> {
         let (machine, profile) = (&self.machine.name, &self.profile.name);
+        let machine_draws = self.machine.tool.class == ToolClass::Pen;
         let message = match self.label_kind() {
             LabelKind::Engrave | LabelKind::Perforate => return None,
+            LabelKind::Pen if machine_draws => return None,
+            LabelKind::Pen if self.pen().is_some() => {
+                let message = "labels are drawn first: run the program in pen/ with the pen, then the one of the same name in sheets/, without moving sheet or zero between them";
+                return Some(Warning::new("pen-first", message));
+            }
             LabelKind::Pen => {
                 "joint numbers are left to a pen: they are in the drawings (black), not in the cutting programs".into()
             }
@@ -118,7 +111,11 @@ impl Setup {
 
     /// How pieces are labelled: as the design says, else the material for this tool, else engraved where that can be done.
     pub(super) fn label_kind(&self) -> LabelKind {
-        let usual = if self.pairing.engrave.is_some() { LabelKind::Engrave } else { LabelKind::Map };
+        let usual = match (&self.pairing.engrave, &self.pairing.pen) {
+            (Some(_), _) => LabelKind::Engrave,
+            (None, Some(_)) => LabelKind::Pen,
+            (None, None) => LabelKind::Map,
+        };
         let wanted = self.making.label.or_else(|| self.profile.label.for_tool(self.machine.tool.class));
         match wanted.unwrap_or(usual) {
             LabelKind::Engrave => usual,
@@ -138,6 +135,26 @@ impl Setup {
         }
     }
 
+    /// How marks and letters are made by the tool itself; `None` where they are not.
+    pub(super) fn marking(&self) -> Option<&config::Process> {
+        let drawn = self.machine.tool.class == ToolClass::Pen && self.label_kind() == LabelKind::Pen;
+        self.pairing.engrave.as_ref().filter(|_| drawn || self.label_kind() == LabelKind::Engrave)
+    }
+
+    /// How the machine's pen draws them; `None` where none does.
+    pub(super) fn pen(&self) -> Option<&config::Process> {
+        self.pairing.pen.as_ref().filter(|_| self.label_kind() == LabelKind::Pen)
+    }
+
+    /// Height of strokes that letter a sheet, mm; `None` where there are none.
+    pub(super) fn lettering_mm(&self) -> Option<f64> {
+        self.marking().or(self.pen())?;
+        match self.labels() {
+            strip::Labels::Strokes { height_mm } => Some(height_mm),
+            strip::Labels::Perforated { .. } | strip::Labels::Notches | strip::Labels::Nothing => None,
+        }
+    }
+
     /// True for a job that a person cuts along printed lines: it has drawings and patterns, and no programs.
     pub fn by_hand(&self) -> bool {
         self.machine.tool.class == ToolClass::Scissors
@@ -148,10 +165,10 @@ impl Setup {
         if self.by_hand() { self.profile.margin_mm.max(PRINT_MARGIN_MM) } else { self.profile.margin_mm }
     }
 
-    /// What the head reaches, mm.
+    /// What the head reaches of a sheet in the stop corner, mm along and across the sheet: a roll's x is its feed.
     pub fn reach(&self) -> Rect {
         let [width, height] = self.machine.reach_mm();
-        Rect::from_size(width, height)
+        if self.turned() { Rect::from_size(height, width) } else { Rect::from_size(width, height) }
     }
 
     /// The sheet in the direction strips are cut in. Along the grain (machine direction) paper is stiffest and springs back best.
@@ -281,7 +298,8 @@ impl Setup {
     pub fn nest(&self) -> nest::Settings {
         // The cut itself needs room, however close the user wants the pieces.
         let kerf = self.pairing.cut.kerf_mm;
-        nest::Settings { spacing_mm: self.profile.spacing_mm.max(kerf), margin_mm: self.margin_mm().max(0.5 * kerf) }
+        let (spacing_mm, margin_mm) = (self.profile.spacing_mm.max(kerf), self.margin_mm().max(0.5 * kerf));
+        nest::Settings { spacing_mm, margin_mm, effort: NEST_EFFORT, seed: NEST_SEED }
     }
 
     /// Turns a piece may take on a sheet whose grain runs along x, degrees.
@@ -293,40 +311,14 @@ impl Setup {
         }
     }
 
-    /// How a sheet is cut.
-    pub fn toolpath(&self) -> toolpath::Settings {
-        let process = |p: &config::Process| toolpath::Process {
-            feed_mm_per_min: p.feed_mm_per_min,
-            power: p.power,
-            air: match p.air {
-                Air::Off => toolpath::Air::Off,
-                Air::Low => toolpath::Air::Low,
-                Air::High => toolpath::Air::High,
-            },
-            passes: p.passes,
-        };
-        let cut = process(&self.pairing.cut);
-        toolpath::Settings {
-            kerf_mm: self.pairing.cut.kerf_mm,
-            // A pen's strokes are not for this tool.
-            engrave: self.pairing.engrave.as_ref().filter(|_| self.label_kind() == LabelKind::Engrave).map(process),
-            cut_inner: cut,
-            cut_outline: cut,
-            work_area: self.reach(),
-            park: P2::origin(),
-        }
-    }
-
-    /// What the controller wants to read.
-    pub fn dialect(&self) -> gcode::Dialect {
-        let word = |code: AirCode| match code {
-            AirCode::M7 => 7,
-            AirCode::M8 => 8,
-        };
-        gcode::Dialect {
-            max_s: self.machine.controller.max_s,
-            constant_power: !self.machine.controller.laser_mode,
-            air: self.machine.air.as_ref().map(|a| gcode::AirWords { low: word(a.low), high: word(a.high) }),
+    /// How it is cut, as people read it.
+    pub(super) fn cut_told(&self) -> String {
+        let cut = &self.pairing.cut;
+        let feed = format!("{:.0} mm/min", cut.feed_mm_per_min);
+        match (self.machine.tool.class, cut.blade) {
+            (ToolClass::Pen, _) => format!("{feed}, pen"),
+            (_, Some(blade)) => format!("{feed}, blade {:.0} deg, {:.0} gf", blade.angle_deg, blade.force_gf),
+            _ => format!("{feed}, {:.1} %, kerf {} mm", 100.0 * cut.power, cut.kerf_mm),
         }
     }
 
@@ -341,8 +333,8 @@ impl Setup {
     }
 }
 
-/// What a machine permits and, when it is known, what the material on it bears. Work X0 Y0 lies in the machine's origin corner.
-pub fn check_settings(machine: &Machine, pairing: Option<&Pairing>) -> gcode::CheckSettings {
+/// What the head reaches, mm in the work frame: work X0 Y0 lies in the machine's origin corner.
+pub(super) fn reach(machine: &Machine) -> Rect {
     let [width, height] = machine.reach_mm();
     let least = match machine.origin {
         Corner::FrontLeft => P2::new(0.0, 0.0),
@@ -350,19 +342,20 @@ pub fn check_settings(machine: &Machine, pairing: Option<&Pairing>) -> gcode::Ch
         Corner::BackLeft => P2::new(0.0, -height),
         Corner::BackRight => P2::new(-width, -height),
     };
+    Rect { min: least, max: P2::new(least.x + width, least.y + height) }
+}
+
+/// What a machine permits and, when it is known, what the material on it bears. Work X0 Y0 lies in the machine's origin corner.
+pub fn check_settings(machine: &Machine, pairing: Option<&Pairing>) -> gcode::CheckSettings {
     let controller = &machine.controller;
-    let keep_out = |k: &config::KeepOut| {
-        let min = P2::new(k.x_mm, k.y_mm);
-        (k.name.clone(), Rect { min, max: P2::new(k.x_mm + k.width_mm, k.y_mm + k.height_mm) })
-    };
     let energy = |pairing: &Pairing| {
         let full_power_w = machine.tool.optical_power_w?;
         Some(gcode::Energy { full_power_w, cut_j_per_mm: pairing.cut.energy_j_per_mm(full_power_w) })
     };
     gcode::CheckSettings {
-        work_area: Rect { min: least, max: P2::new(least.x + width, least.y + height) },
+        work_area: reach(machine),
         travel_z_mm: controller.max_travel_mm[2],
-        keep_outs: machine.keep_outs.iter().map(keep_out).collect(),
+        keep_outs: obstacles(machine),
         max_s: controller.max_s,
         limits: limits(machine),
         laser: machine.tool.class.is_laser(),

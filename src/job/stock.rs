@@ -2,8 +2,8 @@
 
 use super::Error;
 use super::settings::Setup;
-use crate::config::{Grain, Profile, StockGrain};
-use crate::design::StripAlong;
+use crate::config::{Grain, Profile, Roll, StockGrain};
+use crate::design::{Paper, StripAlong};
 use crate::nest::Container;
 use crate::progress::Warning;
 
@@ -20,7 +20,12 @@ pub struct Sheet {
     pub count: Option<u32>,
     /// How the grain runs.
     pub grain: StockGrain,
+    /// A roll: `width_mm` is the longest feed made at once and `height_mm` its width.
+    pub roll: bool,
 }
+
+/// The word that names a roll by its width: "roll 600".
+const ROLL: &str = "roll ";
 
 /// Reads `A4`, `A4@3`, `420x297` or `500x300@4` (mm; @ how many).
 pub fn parse_stock(given: &str, profile: &Profile) -> Result<Sheet, Error> {
@@ -35,12 +40,49 @@ pub fn parse_stock(given: &str, profile: &Profile) -> Result<Sheet, Error> {
         && let Some([width_mm, height_mm]) = stock.size_mm
     {
         let name = stock.name.clone();
-        return Ok(Sheet { name, width_mm, height_mm, count: count.or(stock.count), grain: stock.grain });
+        return Ok(Sheet { name, width_mm, height_mm, count: count.or(stock.count), grain: stock.grain, roll: false });
     }
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
     let sides = size.split_once(['x', 'X']).and_then(|(w, h)| Some((number(w)?, number(h)?)));
     let (width_mm, height_mm) = sides.or_else(|| paper_size(size.trim())).ok_or_else(|| unknown(given, profile))?;
-    Ok(Sheet { name: size.trim().to_owned(), width_mm, height_mm, count, grain: StockGrain::Unknown })
+    Ok(Sheet { name: size.trim().to_owned(), width_mm, height_mm, count, grain: StockGrain::Unknown, roll: false })
+}
+
+/// The roll a machine is fed with: `roll 600`, a roll of the profile's by name, or when nothing is named the profile's first or else the machine's full width.
+fn parse_roll(given: Option<&str>, roll: &Roll, setup: &Setup) -> Result<Sheet, Error> {
+    let profile = &setup.profile;
+    let named = |name: &str| {
+        let stock = profile.stock_named(name)?;
+        Some((stock.name.clone(), stock.roll_width_mm?))
+    };
+    let width = |text: &str| text.trim().parse::<f64>().ok().filter(|w| w.is_finite() && *w > 0.0);
+    let (name, width_mm) = match given {
+        Some(given) => match (named(given), given.strip_prefix(ROLL).and_then(width)) {
+            (Some(own), _) => own,
+            (None, Some(width_mm)) => (given.to_owned(), width_mm),
+            (None, None) => {
+                let problem = format!(
+                    "is fed from a roll and {given:?} is none; name its width with --roll, for example --roll {:.0}",
+                    roll.media_width_mm
+                );
+                return Err(Error::Machine { machine: setup.machine.name.clone(), problem });
+            }
+        },
+        None => profile
+            .stock
+            .iter()
+            .find_map(|s| named(&s.name))
+            .unwrap_or_else(|| (format!("{ROLL}{:.0}", roll.media_width_mm), roll.media_width_mm)),
+    };
+    if width_mm > roll.media_width_mm || width_mm <= 2.0 * roll.pinch_margin_mm {
+        let problem = format!(
+            "takes rolls of up to {} mm, of which its pinch rollers need {} mm along each rim; {width_mm} mm is no such roll",
+            roll.media_width_mm, roll.pinch_margin_mm
+        );
+        return Err(Error::Machine { machine: setup.machine.name.clone(), problem });
+    }
+    let height_mm = width_mm - 2.0 * roll.pinch_margin_mm;
+    Ok(Sheet { name, width_mm: roll.max_length_mm, height_mm, count: None, grain: StockGrain::Long, roll: true })
 }
 
 /// ISO 216 A sizes and US letter, landscape, mm: known to everybody whether the profile lists them or not.
@@ -63,8 +105,21 @@ fn unknown(given: &str, profile: &Profile) -> Error {
 /// Sheets the design asks for, or all the material offers, each laid so that its grain runs along x, the way strips run.
 pub(super) fn sheets(setup: &Setup) -> Result<Vec<Sheet>, Error> {
     let profile = &setup.profile;
+    if let Some(roll) = &setup.machine.roll {
+        if setup.stock.is_empty() {
+            return Ok(vec![parse_roll(None, roll, setup)?]);
+        }
+        return setup.stock.iter().map(|name| parse_roll(Some(name), roll, setup)).collect();
+    }
+    if let Some(name) = setup.stock.iter().find(|name| name.starts_with(ROLL)) {
+        let problem = format!("has a bed and no rollers for {name:?}; name sheets with --stock");
+        return Err(Error::Machine { machine: setup.machine.name.clone(), problem });
+    }
     let names: Vec<String> = if setup.stock.is_empty() {
-        profile.stock.iter().filter(|s| s.size_mm.is_some()).map(|s| s.name.clone()).collect()
+        // What goes through the printer comes first.
+        let printed = (setup.by_hand() && setup.paper == Paper::Letter).then(|| "Letter".to_owned());
+        let own = profile.stock.iter().filter(|s| s.size_mm.is_some()).map(|s| s.name.clone());
+        printed.into_iter().chain(own).collect()
     } else {
         setup.stock.clone()
     };
@@ -88,6 +143,13 @@ pub(super) fn sheets(setup: &Setup) -> Result<Vec<Sheet>, Error> {
 /// The part of a sheet the head reaches when the sheet lies in the stop corner.
 pub(super) fn container(sheet: &Sheet, setup: &Setup) -> Container {
     let reach = setup.reach();
+    if sheet.roll {
+        return Container::Roll {
+            name: sheet.name.clone(),
+            width_mm: sheet.height_mm.min(reach.height()),
+            max_length_mm: sheet.width_mm,
+        };
+    }
     let limited = overhang_mm(sheet, setup) > 0.0;
     let name = match limited {
         // What is told of pieces that do not fit: larger stock would not help.
@@ -100,12 +162,8 @@ pub(super) fn container(sheet: &Sheet, setup: &Setup) -> Container {
         ),
         false => sheet.name.clone(),
     };
-    Container::Sheet {
-        name,
-        width_mm: sheet.width_mm.min(reach.width()),
-        height_mm: sheet.height_mm.min(reach.height()),
-        count: sheet.count,
-    }
+    let (width_mm, height_mm) = (sheet.width_mm.min(reach.width()), sheet.height_mm.min(reach.height()));
+    Container::sheet(name, width_mm, height_mm, sheet.count)
 }
 
 /// A piece that exactly fills a container does not go in: placing allows for rounding. Pieces are made this much shorter, mm.

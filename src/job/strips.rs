@@ -3,6 +3,7 @@
 use super::settings::Setup;
 use super::stock::{self, Sheet};
 use super::{Error, Realised};
+use crate::fit::FootUsed;
 use crate::progress::Warning;
 use crate::strip::{self, Connector, Piece, Splice};
 
@@ -23,6 +24,22 @@ pub(super) struct Strips {
     pub label_collisions: usize,
     /// What the user should know.
     pub warnings: Vec<Warning>,
+}
+
+impl Strips {
+    /// Leaves only the pieces of these names; all for none.
+    pub fn keep_only(&mut self, names: &[String]) -> Result<(), Error> {
+        if names.is_empty() {
+            return Ok(());
+        }
+        let same = |piece: &Piece, name: &String| piece.name.eq_ignore_ascii_case(name);
+        if let Some(unknown) = names.iter().find(|name| !self.pieces.iter().any(|piece| same(piece, name))) {
+            let known: Vec<&str> = self.pieces.iter().map(|piece| piece.name.as_str()).collect();
+            return Err(Error::UnknownPiece { given: unknown.clone(), known: known.join(", ") });
+        }
+        self.pieces.retain(|piece| names.iter().any(|name| same(piece, name)));
+        Ok(())
+    }
 }
 
 /// Lays all parts flat. Where the design names stock, the first of it is taken on which every piece fits, or all of it together when no single one will do. Where it
@@ -77,8 +94,9 @@ fn flat(realised: &Realised, setup: &Setup, stock: Vec<Sheet>) -> Result<Strips,
         label_collisions: 0,
         warnings: Vec::new(),
     };
-    for part in &realised.parts {
-        let pieces = strip::pieces(part, &settings)?;
+    for (i, part) in realised.parts.iter().enumerate() {
+        let tied: Vec<u32> = realised.ties.iter().flatten().filter(|end| end.part == i).map(|end| end.joint).collect();
+        let pieces = strip::pieces(part, &tied, &settings)?;
         strips.pieces.extend(pieces.pieces);
         strips.splices.extend(pieces.splices);
         strips.max_mating_error_mm = strips.max_mating_error_mm.max(pieces.max_mating_error_mm);
@@ -92,12 +110,12 @@ fn flat(realised: &Realised, setup: &Setup, stock: Vec<Sheet>) -> Result<Strips,
     if !strips.connectors.is_empty() {
         let names: Vec<&str> = strips.connectors.iter().map(|c| c.piece.name.as_str()).collect();
         let message = format!(
-            "pieces {} tie the parts together: lay each end over the joint it is marked with, and push that joint's flap through both slits",
+            "pieces {} tie the parts together: each end goes between the two sheets of its joint, whose flap goes through it first",
             names.join(", ")
         );
         strips.warnings.push(Warning::new("connectors", message));
     }
-    for (part, _) in realised.parts.iter().zip(&realised.based).filter(|(_, based)| **based) {
+    for part in realised.parts.iter().filter(|part| part.report.foot == FootUsed::Pinned) {
         add_base_card(&mut strips, strip::base_card(part, &settings), longest, setup);
     }
     if strips.label_collisions > 0 {
@@ -119,7 +137,7 @@ fn add_base_card(strips: &mut Strips, card: Piece, longest_mm: f64, setup: &Setu
         Warning::new(
             "base-card",
             format!(
-                "{name} is the card that {part} stands on: glue the ends of the bottom rung on its lines, lettering up and toward you"
+                "{name} is the card that {part} stands on: glue the ends of the bottom rung on its lines, as assembly.pdf shows"
             ),
         )
     } else {

@@ -4,6 +4,7 @@ use super::pictures;
 use super::settings::Setup;
 use super::{Error, Order, Realised, realise};
 use crate::config::Library;
+use crate::cut::PlaneFrame;
 use crate::design::{Design, PlaneSource};
 use crate::fit::{FootUsed, Part};
 use crate::geom::P2;
@@ -55,6 +56,9 @@ pub struct PartSurvey {
     /// The picture of it.
     #[serde(skip)]
     pub picture: Canvas,
+    /// Where its plane lies, with both axes of the picture.
+    #[serde(skip)]
+    pub(super) frame: PlaneFrame,
     /// Where its sections lie, one list of points each, plane frame, mm.
     #[serde(skip)]
     pub(super) paths: Vec<Vec<P2>>,
@@ -143,6 +147,7 @@ fn part(part: &Part) -> PartSurvey {
         joints_mm: points.iter().map(|c| place(&drawn.positions[c.node.index()])).collect(),
         sections: ruffle.sections.iter().enumerate().map(section).collect(),
         picture: pictures::part(part),
+        frame: part.frame,
         paths: ruffle.sections.iter().map(path).collect(),
     }
 }

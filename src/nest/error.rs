@@ -26,6 +26,46 @@ pub enum Error {
         /// Extent along y, mm.
         height_mm: f64,
     },
+    /// A price that is none.
+    #[error("stock {container:?} costs {cost}; give a finite number of at least 0")]
+    Cost {
+        /// Name of the container.
+        container: String,
+        /// What was given.
+        cost: f64,
+    },
+    /// The border of an offcut, or what is blocked on a sheet, is no shape.
+    #[error("stock {container:?}, its border or what is blocked on it: {flaw}")]
+    ContainerShape {
+        /// Name of the container.
+        container: String,
+        /// What is wrong, and what is needed.
+        flaw: &'static str,
+    },
+    /// An item lies over a border that is no rectangle, over a hole, a defect or a clamp.
+    #[error(
+        "item {item:?} on layout {layout} comes within {distance_mm:.6} mm of {what} of {container:?}; {limit_mm} mm are asked for"
+    )]
+    Blocked {
+        /// Name of the item.
+        item: String,
+        /// Number of the layout, from 1.
+        layout: usize,
+        /// Name of the container.
+        container: String,
+        /// "the border" or "what is blocked".
+        what: &'static str,
+        /// Distance found, mm; 0 when they overlap.
+        distance_mm: f64,
+        /// Distance to keep, mm.
+        limit_mm: f64,
+    },
+    /// An item was fixed in place and lies elsewhere.
+    #[error("item {item:?} is fixed in place, but is placed elsewhere")]
+    Moved {
+        /// Name of the item.
+        item: String,
+    },
     /// A shape that cannot be placed because it is none.
     #[error("item {item:?} cannot be nested: {flaw}")]
     Item {
@@ -42,7 +82,7 @@ pub enum Error {
     Dangling {
         /// Number of the layout, from 1.
         layout: usize,
-        /// "container" or "item".
+        /// "container", "item" or "copy".
         what: &'static str,
         /// The index that is out of range.
         index: usize,
@@ -62,6 +102,12 @@ pub enum Error {
         item: String,
         /// The turn, degrees.
         rotation_deg: f64,
+    },
+    /// A side up that the material does not permit.
+    #[error("item {item:?} is turned over, which is not allowed for it")]
+    Mirrored {
+        /// Name of the item.
+        item: String,
     },
     /// A layout that is larger or smaller than its container.
     #[error("layout {layout} measures {width_mm} x {height_mm} mm, which its stock {container:?} cannot give")]
@@ -130,8 +176,12 @@ pub enum Error {
 /// One item without a place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unplaced {
+    /// Index into the items.
+    pub item: usize,
+    /// Which of its copies, from 0.
+    pub copy: u32,
     /// Name of the item.
-    pub item: String,
+    pub name: String,
     /// Why.
     pub reason: Reason,
 }
@@ -146,6 +196,8 @@ pub enum Reason {
         /// How much is missing there, mm, margins taken off.
         by_mm: f64,
     },
+    /// Its box would fit, but no stock is free of borders and blocked places where it would lie.
+    NoRoom,
     /// It would fit, but every sheet that holds it is full.
     StockUsedUp,
 }
@@ -157,9 +209,14 @@ impl fmt::Display for Unplaced {
                 f,
                 "{:?} is {by_mm:.1} mm too large for every stock at the angles allowed (nearest: {container:?}); \
                  give larger stock, a smaller margin, or shorter pieces",
-                self.item
+                self.name
             ),
-            Reason::StockUsedUp => write!(f, "{:?} fits, but the stock is used up; give more sheets", self.item),
+            Reason::NoRoom => write!(
+                f,
+                "{:?} fits into no stock beside what is blocked there, at the angles allowed; give larger stock, or move the clamps",
+                self.name
+            ),
+            Reason::StockUsedUp => write!(f, "{:?} fits, but the stock is used up; give more sheets", self.name),
         }
     }
 }

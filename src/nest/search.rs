@@ -1,57 +1,38 @@
-//! Several orders and rules, the best of them kept.
+//! From items and containers to layouts: starts, fewer sheets, shorter ones, checked.
 
-use super::item::Prepared;
-use super::maxrects::{Bin, Rule, Spot};
-use super::{Container, Error, Item, Layout, Layouts, Placement, Reason, Settings, Unplaced, validate};
-use crate::geom::{Rect, V2};
-use crate::progress::{Observer, Progress};
+use super::bays::Grounds;
+use super::gather::{gather, settle};
+use super::item::{self, Prepared};
+use super::look::Look;
+use super::scene::{Body, Pose, Scene};
+use super::separate::Separator;
+use super::shorten::Shorten;
+use super::start;
+use super::watch::Watch;
+use super::{Container, Error, Item, Layouts, Settings, validate};
+use crate::progress::Observer;
 
-/// Places every item on the fewest layouts this method finds.
+/// Starts may take this share of the effort; the first is always made.
+const START_SHARE: f64 = 0.1;
+/// Share of the effort for getting by with less stock.
+const FEWER_SHARE: f64 = 0.6;
+/// Should a layout fail validation, everything is made once more with so much more room around items, mm.
+const MORE_ROOM_MM: f64 = 1e-3;
+
+/// Places every item on the least stock this method finds, then on the shortest length of the layout that is used least.
 ///
-/// Stock is opened in the order given: an item goes to the first container that is open and has room, else to the first kind that can hold
-/// it and is not used up. Of all trials the one with the fewest layouts wins, then the one on more preferred stock, then the one with the
-/// shortest used length. The observer is called between trials; when it stops the search, the best so far is returned.
+/// Stock is preferred in the order given where it costs the same. The observer is called all along; when it stops the search, the best so far is
+/// returned. Items that find no place are in [`Layouts::unplaced`] with the reason, those of lowest priority first.
 ///
 /// # Errors
-/// Distances, containers or items that make no sense; [`Error::Unplaced`] with every item that found no place and the reason. Whatever
-/// [`validate`] finds wrong with a layout is an error too: such a layout never leaves this function.
+/// Distances, containers or items that make no sense, and fixed items that lie where they must not. Whatever [`validate`] finds wrong with a layout is an
+/// error too: such a layout never leaves this function.
 pub fn nest(
     items: &[Item],
     containers: &[Container],
     settings: &Settings,
     observer: &mut dyn Observer,
 ) -> Result<Layouts, Error> {
-    check_settings(containers, settings)?;
-    let prepared = items.iter().map(Prepared::new).collect::<Result<Vec<_>, _>>()?;
-    let job = Job { items: &prepared, containers, settings };
-
-    let trials: Vec<(Order, Rule)> = Order::ALL.iter().flat_map(|o| Rule::ALL.map(|r| (*o, r))).collect();
-    let mut best: Option<Packing> = None;
-    let mut stopped_early = false;
-    for (k, (order, rule)) in trials.iter().enumerate() {
-        let packing = job.pack(&order.of(&prepared), *rule);
-        if best.as_ref().is_none_or(|b| packing.better_than(b)) {
-            best = Some(packing);
-        }
-        let note = best.as_ref().map(|b| format!("{} sheets", b.open.len())).unwrap_or_default();
-        let progress = Progress { stage: "nesting", done: k as u64 + 1, total: trials.len() as u64, note };
-        if observer.step(progress).is_break() {
-            stopped_early = k + 1 < trials.len();
-            break;
-        }
-    }
-
-    let best = best.expect("there is at least one order and one rule");
-    if !best.unplaced.is_empty() {
-        let unplaced = best.unplaced.iter().map(|&i| Unplaced { item: items[i].name.clone(), reason: job.reason(i) });
-        return Err(Error::Unplaced(unplaced.collect()));
-    }
-    let layouts = Layouts { layouts: best.open.into_iter().map(|open| job.layout(open)).collect(), stopped_early };
-    validate(items, containers, &layouts, settings)?;
-    Ok(layouts)
-}
-
-fn check_settings(containers: &[Container], settings: &Settings) -> Result<(), Error> {
     for (name, value_mm) in [("spacing", settings.spacing_mm), ("margin", settings.margin_mm)] {
         if !(value_mm.is_finite() && value_mm >= 0.0) {
             return Err(Error::Distance { name, value_mm });
@@ -60,311 +41,185 @@ fn check_settings(containers: &[Container], settings: &Settings) -> Result<(), E
     if containers.is_empty() {
         return Err(Error::NoContainer);
     }
-    for container in containers {
-        let size = container.size_mm();
-        if !size.iter().all(|v| v.is_finite() && *v > 0.0) {
-            let container = container.name().to_string();
-            return Err(Error::ContainerSize { container, width_mm: size.x, height_mm: size.y });
-        }
+    let mut outcome = made(items, containers, settings, observer, 0.0)?;
+    if outcome.1.is_err() {
+        outcome = made(items, containers, settings, observer, MORE_ROOM_MM)?;
     }
-    Ok(())
+    outcome.1.map(|()| outcome.0)
 }
 
-/// Which item comes first; the largest by some measure, because what is large finds a place last.
+/// Layouts, and what validation says of them.
+fn made(
+    items: &[Item],
+    containers: &[Container],
+    settings: &Settings,
+    observer: &mut dyn Observer,
+    more_room_mm: f64,
+) -> Result<(Layouts, Result<(), Error>), Error> {
+    let ready = item::prepared(items, 0.5 * settings.spacing_mm + more_room_mm)?;
+    let grounds = Grounds::new(containers, settings, item::roughness(items))?;
+    let copies = items.iter().enumerate().flat_map(|(i, item)| (0..item.copies).map(move |copy| (i, copy))).collect();
+    let job = Job { items, containers, settings, ready, grounds, copies };
+    let layouts = job.run(observer)?;
+    let verdict = validate(items, containers, &layouts, settings);
+    Ok((layouts, verdict))
+}
+
+/// Which comes first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Order {
+    BoxArea,
     LongSide,
-    Area,
     ShortSide,
-    Perimeter,
 }
 
-impl Order {
-    const ALL: [Order; 4] = [Order::LongSide, Order::Area, Order::ShortSide, Order::Perimeter];
+/// How good a layout is, the smallest best: bodies without a place, cost, bays, index of stock, used length.
+type Score = (usize, f64, usize, usize, f64);
 
-    fn of(self, items: &[Prepared]) -> Vec<usize> {
-        let key = |i: usize| {
-            let (long, short) = items[i].sides();
-            match self {
-                Order::LongSide => [long, short],
-                Order::Area => [items[i].area, long],
-                Order::ShortSide => [short, long],
-                Order::Perimeter => [long + short, long],
-            }
-        };
-        let mut order: Vec<usize> = (0..items.len()).collect();
-        order.sort_by(|&a, &b| {
-            let (a, b) = (key(a), key(b));
-            b[0].total_cmp(&a[0]).then(b[1].total_cmp(&a[1]))
-        });
-        order
-    }
-}
-
-/// A container in use.
-struct Open {
-    container: usize,
-    bin: Bin,
-    placements: Vec<Placement>,
-    /// Greatest x of an item on the layout, mm.
-    used_length_mm: f64,
-    /// Sum of the items' areas, mm2.
-    filled_mm2: f64,
-}
-
-/// One trial's result.
-struct Packing {
-    open: Vec<Open>,
-    unplaced: Vec<usize>,
-}
-
-impl Packing {
-    fn better_than(&self, other: &Packing) -> bool {
-        let counts = |p: &Packing| (p.unplaced.len(), p.open.len(), p.open.iter().map(|o| o.container).sum::<usize>());
-        let length = |p: &Packing| p.open.iter().map(|o| o.used_length_mm).sum::<f64>();
-        counts(self).cmp(&counts(other)).then(length(self).total_cmp(&length(other))).is_lt()
-    }
-}
-
-struct Job<'a> {
-    items: &'a [Prepared],
-    containers: &'a [Container],
+/// Everything given, made ready.
+pub(super) struct Job<'a> {
+    pub(super) items: &'a [Item],
+    pub(super) containers: &'a [Container],
     settings: &'a Settings,
+    pub(super) ready: Vec<Prepared>,
+    pub(super) grounds: Grounds,
+    /// Item and copy of every body that is one; they come first.
+    pub(super) copies: Vec<(usize, u32)>,
 }
 
 impl Job<'_> {
-    /// What is left of a container inside its margins, mm; negative when the margins meet.
-    fn usable(&self, container: usize) -> V2 {
-        self.containers[container].size_mm() - V2::repeat(2.0 * self.settings.margin_mm)
-    }
-
-    /// Each box carries half the spacing on every side, so the space inside the margins grows by as much.
-    fn inflated(&self, size: V2) -> V2 {
-        size + V2::repeat(self.settings.spacing_mm)
-    }
-
-    fn pack(&self, order: &[usize], rule: Rule) -> Packing {
-        let mut packing = Packing { open: Vec::new(), unplaced: Vec::new() };
-        for &item in order {
-            let placed = packing.open.iter_mut().any(|open| self.place(item, open, rule));
-            if !placed && !self.open_for(item, rule, &mut packing.open) {
-                packing.unplaced.push(item);
-            }
+    fn run(&self, observer: &mut dyn Observer) -> Result<Layouts, Error> {
+        let effort = self.settings.effort;
+        let mut watch = Watch::new(observer, effort);
+        let mut scene = self.started(&mut watch)?;
+        let mut separator = Separator::new(&scene, self.settings.seed);
+        let share = |share: f64| (effort as f64 * share) as u64;
+        self.house_all(&mut scene, &mut separator, &mut watch, share(FEWER_SHARE));
+        self.fewer(&mut scene, &mut separator, &mut watch, share(FEWER_SHARE));
+        self.shorter(&mut scene, &mut separator, &mut watch, effort);
+        let sets: Vec<Option<u32>> = self.copies.iter().map(|(item, _)| self.items[*item].set).collect();
+        gather(&mut scene, &sets);
+        if effort > 0 {
+            settle(&mut scene);
         }
-        packing.unplaced.sort_unstable();
-        packing
+        Ok(self.layouts(&scene, watch.stopped))
     }
 
-    /// Opens the first kind of container that can hold the item and is not used up; false when there is none.
-    fn open_for(&self, item: usize, rule: Rule, open: &mut Vec<Open>) -> bool {
-        for (container, kind) in self.containers.iter().enumerate() {
-            let used = open.iter().filter(|o| o.container == container).count();
-            if kind.count().is_some_and(|count| used >= count as usize) {
-                continue;
-            }
-            let bin = Bin::new(self.inflated(self.usable(container)));
-            let mut fresh = Open { container, bin, placements: Vec::new(), used_length_mm: 0.0, filled_mm2: 0.0 };
-            if self.place(item, &mut fresh, rule) {
-                open.push(fresh);
-                return true;
-            }
-        }
-        false
-    }
-
-    fn place(&self, item: usize, open: &mut Open, rule: Rule) -> bool {
-        let mut best: Option<(Spot, usize)> = None;
-        for (t, turn) in self.items[item].turns.iter().enumerate() {
-            if let Some(spot) = open.bin.best(self.inflated(turn.size()), rule)
-                && best.is_none_or(|(b, _)| spot.better_than(&b))
-            {
-                best = Some((spot, t));
-            }
-        }
-        let Some((spot, t)) = best else { return false };
-        let turn = &self.items[item].turns[t];
-        open.bin.fill(Rect { min: spot.corner, max: spot.corner + self.inflated(turn.size()) });
-        // In the bin the item's box sits half a spacing inside its own, and the bin half a spacing outside the margin: they cancel.
-        let margin = self.settings.margin_mm;
-        let shift = spot.corner.coords + V2::repeat(margin) - turn.bounds.min.coords;
-        open.placements.push(Placement { item, rotation_deg: turn.angle_deg, shift });
-        open.used_length_mm = open.used_length_mm.max(shift.x + turn.bounds.max.x);
-        open.filled_mm2 += self.items[item].area;
-        true
-    }
-
-    fn layout(&self, open: Open) -> Layout {
-        let size = self.containers[open.container].size_mm();
-        let width_mm = match self.containers[open.container] {
-            Container::Sheet { .. } => size.x,
-            // An exact fit may end a round-off beyond the longest layout.
-            Container::Roll { .. } => (open.used_length_mm + self.settings.margin_mm).min(size.x),
-        };
-        let density = open.filled_mm2 / (width_mm * size.y);
-        Layout { container: open.container, width_mm, height_mm: size.y, placements: open.placements, density }
-    }
-
-    /// Why an item that was not placed was not.
-    fn reason(&self, item: usize) -> Reason {
-        let mut nearest = (f64::INFINITY, 0);
-        for container in 0..self.containers.len() {
-            let usable = self.usable(container);
-            for turn in &self.items[item].turns {
-                let missing = (turn.size() - usable).max();
-                if missing < nearest.0 {
-                    nearest = (missing, container);
+    /// The best of some starts.
+    fn started(&self, watch: &mut Watch) -> Result<Scene, Error> {
+        let empty = self.with_fixed()?;
+        let mut best: Option<(Score, Scene)> = None;
+        let mut looked = 0;
+        'starts: for largest_stock in [false, true] {
+            for order in [Order::BoxArea, Order::LongSide, Order::ShortSide] {
+                if best.is_some() && (looked as f64 > START_SHARE * self.settings.effort as f64 || watch.stopped) {
+                    break 'starts;
+                }
+                let mut scene = empty.clone();
+                let order = self.ordered(&scene, order);
+                start::place(&mut scene, &order, |scene, body| self.opened(scene, body, largest_stock));
+                looked += scene.looked;
+                let score = self.score(&scene);
+                if best.as_ref().is_none_or(|(b, _)| score < *b) {
+                    best = Some((score, scene));
                 }
             }
         }
-        let (by_mm, container) = nearest;
-        match by_mm > 1e-9 {
-            true => Reason::TooLarge { container: self.containers[container].name().to_string(), by_mm },
-            false => Reason::StockUsedUp,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geom::P2;
-    use crate::progress::Quiet;
-    use proptest::prelude::*;
-    use std::ops::ControlFlow;
-
-    const SETTINGS: Settings = Settings { spacing_mm: 2.0, margin_mm: 6.0 };
-
-    fn bar(name: &str, w: f64, h: f64, angles_deg: &[f64]) -> Item {
-        let polygon = [(0.0, 0.0), (w, 0.0), (w, h), (0.0, h)].map(|(x, y)| P2::new(x, y)).to_vec();
-        Item { name: name.into(), polygon, angles_deg: angles_deg.to_vec() }
+        let (_, mut scene) = best.expect("the first start is always made");
+        scene.looked = looked;
+        watch.tell(self.note(&scene));
+        Ok(scene)
     }
 
-    fn sheet(name: &str, width_mm: f64, height_mm: f64, count: Option<u32>) -> Container {
-        Container::Sheet { name: name.into(), width_mm, height_mm, count }
-    }
-
-    fn place(items: &[Item], containers: &[Container]) -> Result<Layouts, Error> {
-        nest(items, containers, &SETTINGS, &mut Quiet)
-    }
-
-    #[test]
-    fn strips_fill_a_sheet_to_the_last_millimetre() {
-        // 5 strips of 50 and 4 spacings of 2 between margins of 6: 270 exactly.
-        let items: Vec<Item> = (0..5).map(|i| bar(&format!("A{i}"), 388.0, 50.0, &[0.0])).collect();
-        let layouts = place(&items, &[sheet("S", 400.0, 270.0, None)]).unwrap();
-        assert_eq!(layouts.layouts.len(), 1);
-        assert!((layouts.layouts[0].density - 5.0 * 388.0 * 50.0 / (400.0 * 270.0)).abs() < 1e-12);
-        assert_eq!(place(&items, &[sheet("S", 400.0, 269.9, None)]).unwrap().layouts.len(), 2);
-    }
-
-    #[test]
-    fn a_turn_is_made_only_when_it_is_allowed() {
-        let tall = [sheet("S", 60.0, 400.0, None)];
-        let error = place(&[bar("A1", 300.0, 20.0, &[0.0, 180.0])], &tall).unwrap_err();
-        let expected = Reason::TooLarge { container: "S".into(), by_mm: 252.0 };
-        assert_eq!(error, Error::Unplaced(vec![Unplaced { item: "A1".into(), reason: expected }]));
-        let layouts = place(&[bar("A1", 300.0, 20.0, &[0.0, 90.0])], &tall).unwrap();
-        assert_eq!(layouts.layouts[0].placements[0].rotation_deg, 90.0);
-    }
-
-    #[test]
-    fn an_item_too_long_for_the_first_stock_goes_to_the_second() {
-        let stock = [sheet("A4", 297.0, 210.0, None), sheet("A3", 420.0, 297.0, None)];
-        let layouts = place(&[bar("short", 200.0, 30.0, &[0.0])], &stock).unwrap();
-        assert_eq!(layouts.layouts[0].container, 0);
-        let layouts = place(&[bar("long", 400.0, 30.0, &[0.0]), bar("short", 200.0, 30.0, &[0.0])], &stock).unwrap();
-        assert_eq!(layouts.layouts.len(), 1, "the short one lies beside the long one");
-        assert_eq!(layouts.layouts[0].container, 1);
-    }
-
-    #[test]
-    fn every_item_without_a_place_is_named_with_its_reason() {
-        let items = [
-            bar("huge", 500.0, 30.0, &[0.0]),
-            bar("A1", 250.0, 90.0, &[0.0]),
-            bar("A2", 250.0, 90.0, &[0.0]),
-            bar("A3", 250.0, 90.0, &[0.0]),
-        ];
-        let Error::Unplaced(unplaced) = place(&items, &[sheet("A4", 297.0, 210.0, Some(1))]).unwrap_err() else {
-            panic!("wrong error");
+    /// Only what is fixed, on the first sheet of its kind.
+    fn with_fixed(&self) -> Result<Scene, Error> {
+        let body = |(item, _): &(usize, u32)| Body {
+            turns: self.ready[*item].shapes.clone(),
+            fixed: self.items[*item].fixed.is_some(),
         };
-        assert_eq!(unplaced.len(), 2);
-        assert_eq!(unplaced[0].reason, Reason::TooLarge { container: "A4".into(), by_mm: 215.0 });
-        assert_eq!((unplaced[1].item.as_str(), &unplaced[1].reason), ("A3", &Reason::StockUsedUp));
-    }
-
-    #[test]
-    fn a_roll_is_used_only_as_far_as_needed_and_starts_again_when_full() {
-        let roll = [Container::Roll { name: "R".into(), width_mm: 112.0, max_length_mm: 500.0 }];
-        let items: Vec<Item> = (0..3).map(|i| bar(&format!("A{i}"), 300.0, 49.0, &[0.0])).collect();
-        let layouts = place(&items[..2], &roll).unwrap();
-        assert_eq!(layouts.layouts.len(), 1);
-        assert!((layouts.layouts[0].width_mm - 312.0).abs() < 1e-9);
-        assert_eq!(layouts.layouts[0].height_mm, 112.0);
-        assert_eq!(place(&items, &roll).unwrap().layouts.len(), 2);
-    }
-
-    #[test]
-    fn nothing_to_place_needs_no_sheet_and_nothing_to_place_on_is_an_error() {
-        assert_eq!(place(&[], &[sheet("S", 10.0, 10.0, None)]).unwrap(), Layouts::default());
-        assert_eq!(place(&[], &[]).unwrap_err(), Error::NoContainer);
-        assert!(matches!(place(&[], &[sheet("S", 0.0, 10.0, None)]), Err(Error::ContainerSize { .. })));
-        let bad = Settings { spacing_mm: -1.0, margin_mm: 0.0 };
-        assert!(matches!(nest(&[], &[sheet("S", 9.0, 9.0, None)], &bad, &mut Quiet), Err(Error::Distance { .. })));
-    }
-
-    #[test]
-    fn a_stopped_search_still_returns_a_complete_layout() {
-        struct Stop;
-        impl Observer for Stop {
-            fn step(&mut self, _: Progress) -> ControlFlow<()> {
-                ControlFlow::Break(())
+        let mut scene = Scene::new(self.copies.iter().map(body).collect());
+        for (body, (item, _)) in self.copies.iter().enumerate() {
+            let Some(fixed) = self.items[*item].fixed else { continue };
+            if fixed.container >= self.containers.len() {
+                return Err(Error::Dangling { layout: 1, what: "container", index: fixed.container });
             }
+            let open = scene.bays.iter().position(|b| b.container == fixed.container);
+            let bay = open.unwrap_or_else(|| self.grounds.open(&mut scene, fixed.container));
+            let at = scene.shape(body, 0).origin + fixed.shift - self.grounds.offset;
+            scene.poses[body] = Pose { turn: 0, bay, x: at.x, y: at.y };
         }
-        let items = [bar("A1", 100.0, 20.0, &[0.0]), bar("A2", 80.0, 20.0, &[0.0])];
-        let layouts = nest(&items, &[sheet("S", 200.0, 100.0, None)], &SETTINGS, &mut Stop).unwrap();
-        assert!(layouts.stopped_early);
-        assert_eq!(layouts.layouts[0].placements.len(), 2);
+        Ok(scene)
     }
 
-    prop_compose! {
-        /// A wavy band, like a flattened strip, somewhere in the plane.
-        fn ribbon()(
-            length in 20.0..280.0f64, width in 8.0..40.0f64, wave in 0.0..15.0f64, turns in 0.5..4.0f64,
-            x in -100.0..100.0f64, y in -100.0..100.0f64, grain in prop::bool::ANY,
-        ) -> Item {
-            let rim = |k: i32, up: f64| {
-                let s = f64::from(k) / 20.0;
-                P2::new(x + s * length, y + up * width + wave * (s * turns * std::f64::consts::TAU).sin())
-            };
-            let polygon = (0..=20).map(|k| rim(k, 0.0)).chain((0..=20).rev().map(|k| rim(k, 1.0))).collect();
-            let angles_deg = if grain { vec![0.0, 180.0] } else { vec![0.0, 90.0] };
-            Item { name: format!("{length:.0}x{width:.0}"), polygon, angles_deg }
-        }
+    fn ordered(&self, scene: &Scene, order: Order) -> Vec<usize> {
+        let key = |b: usize| {
+            let (long, short) = scene.sides(b);
+            match order {
+                Order::BoxArea => long * short,
+                Order::LongSide => long,
+                Order::ShortSide => short,
+            }
+        };
+        let priority = |b: usize| self.items[self.copies[b].0].priority;
+        let mut bodies = scene.homeless();
+        bodies.sort_by(|a, b| priority(*b).cmp(&priority(*a)).then(key(*b).total_cmp(&key(*a))));
+        bodies
     }
 
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(48))]
-        #[test]
-        fn random_ribbons_are_all_placed_validly_and_the_same_way_twice(
-            items in prop::collection::vec(ribbon(), 1..25),
-            spacing_mm in 0.0..4.0f64,
-            margin_mm in 0.0..10.0f64,
-        ) {
-            let stock = [
-                sheet("small", 250.0, 200.0, Some(2)),
-                sheet("large", 400.0, 300.0, None),
-                Container::Roll { name: "R".into(), width_mm: 300.0, max_length_mm: 1000.0 },
-            ];
-            let settings = Settings { spacing_mm, margin_mm };
-            let layouts = nest(&items, &stock, &settings, &mut Quiet).unwrap();
-            prop_assert_eq!(validate(&items, &stock, &layouts, &settings), Ok(()));
-            prop_assert_eq!(&layouts, &nest(&items, &stock, &settings, &mut Quiet).unwrap());
-            let filled: f64 = layouts.layouts.iter().map(|l| l.density * l.width_mm * l.height_mm).sum();
-            let area: f64 = items.iter().map(|i| crate::geom::signed_area(&i.polygon)).sum();
-            prop_assert!((filled - area).abs() < 1e-6 * area);
-            let roll = nest(&items, &stock[2..], &settings, &mut Quiet).unwrap();
-            prop_assert!(roll.layouts.iter().all(|l| l.width_mm <= 1000.0));
+    /// Opens a bay for a body: the first kind of stock that holds it, or the one with most room for its cost.
+    fn opened(&self, scene: &mut Scene, body: usize, largest: bool) -> Option<Pose> {
+        let mut kinds: Vec<usize> = (0..self.containers.len()).filter(|k| self.grounds.has_more(scene, *k)).collect();
+        if largest {
+            let worth = |k: usize| self.grounds.grounds[k].area / self.grounds.grounds[k].cost;
+            kinds.sort_by(|a, b| worth(*b).total_cmp(&worth(*a)));
         }
+        let mut look = Look::default();
+        kinds.into_iter().find_map(|kind| {
+            let bay = self.grounds.open(scene, kind);
+            let pose = start::leftmost(scene, &mut look, body, bay);
+            if pose.is_none() {
+                scene.close(bay);
+            }
+            pose
+        })
+    }
+
+    fn score(&self, scene: &Scene) -> Score {
+        let cost = scene.bays.iter().map(|b| self.grounds.grounds[b.container].cost).sum();
+        let index = scene.bays.iter().map(|b| b.container).sum();
+        let used = (0..scene.bays.len()).map(|b| scene.used(b, self.copies.len())).sum();
+        (scene.homeless().len(), cost, scene.bays.len(), index, used)
+    }
+
+    /// Shortens the bay with the least on it.
+    fn shorter(&self, scene: &mut Scene, separator: &mut Separator, watch: &mut Watch, until: u64) {
+        let n = self.copies.len();
+        let emptiest = (0..scene.bays.len()).min_by(|a, b| scene.used(*a, n).total_cmp(&scene.used(*b, n)));
+        let Some(bay) = emptiest else { return };
+        let widest = |b: usize| {
+            let own = scene.bodies[b].turns.iter().filter(|t| t.size.y <= scene.bays[bay].height + super::NARROW_MM);
+            own.map(|t| t.size.x).fold(f64::INFINITY, f64::min)
+        };
+        let movable: Vec<usize> = scene.movable(bay).collect();
+        let fixed = (0..n).filter(|b| scene.bodies[*b].fixed && scene.poses[*b].bay == bay).map(|b| scene.right(b));
+        let alone = if scene.bays.len() == 1 { self.area() / scene.bays[bay].height } else { 0.0 };
+        let least = movable.iter().map(|b| widest(*b)).chain(fixed).fold(alone, f64::max);
+        if movable.is_empty() {
+            return;
+        }
+        Shorten { scene, separator, watch, bay, items: n, least }.run(until, |scene| self.note(scene));
+    }
+
+    /// Area of all items, mm2.
+    pub(super) fn area(&self) -> f64 {
+        self.copies.iter().map(|(item, _)| self.ready[*item].area).sum()
+    }
+
+    /// "3 sheets, 71 % filled".
+    pub(super) fn note(&self, scene: &Scene) -> String {
+        let sheets = scene.bays.len();
+        let used: f64 = (0..sheets).map(|b| scene.used(b, self.copies.len()) * scene.bays[b].height).sum();
+        let filled = if used > 0.0 { 100.0 * self.area() / used } else { 0.0 };
+        format!("{sheets} {}, {filled:.1} % filled", if sheets == 1 { "sheet" } else { "sheets" })
     }
 }

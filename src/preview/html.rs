@@ -91,11 +91,11 @@ impl<'a> Sheet<'a> {
     fn of(run: &'a Run, bed: &Bed) -> Sheet<'a> {
         let stock = run.stock.as_ref().map(|s| {
             json!({
-                "name": s.name, "width": s.width_mm, "height": s.height_mm,
+                "name": s.name, "x": s.at.x, "y": s.at.y, "width": s.width_mm, "height": s.height_mm,
                 "grain": s.grain.map(|g| if g.along_x { "x" } else { "y" }), "grainKnown": s.grain.is_some_and(|g| g.known),
             })
         });
-        let lengths = run.lengths();
+        let lengths = run.lengths(bed);
         let bounds = run.bounds();
         Sheet {
             name: &run.name,

@@ -42,7 +42,7 @@ impl Columns {
         Columns {
             line: integers(moves.iter().map(|m| m.line as f64)),
             end: integers(moves.iter().flat_map(|m| um(m.to.xy()))),
-            kind: base64(&moves.iter().map(kind).collect::<Vec<u8>>()),
+            kind: base64(&moves.iter().map(|m| kind(m, bed)).collect::<Vec<u8>>()),
             arc: integers(arcs().flat_map(|(k, (center, _))| [k as f64, um(center)[0], um(center)[1]])),
             turn: floats(arcs().map(|(_, (_, sweep_rad))| sweep_rad)),
             time: floats(run.timing.move_s.iter().copied()),
@@ -54,8 +54,8 @@ impl Columns {
     }
 }
 
-/// Bits 0-2: 0 rapid, 1 line, 2 arc, 3 dwell, 4 stop. Bit 3: the laser burns. Bits 4-5: 0 M5, 1 M3, 2 M4.
-fn kind(m: &Move) -> u8 {
+/// Bits 0-2: 0 rapid, 1 line, 2 arc, 3 dwell, 4 stop. Bit 3: the tool is at work. Bits 4-5: 0 M5, 1 M3, 2 M4.
+fn kind(m: &Move, bed: &Bed) -> u8 {
     let action = match m.action {
         Action::Rapid => 0,
         Action::Line => 1,
@@ -68,7 +68,7 @@ fn kind(m: &Move) -> u8 {
         Beam::Constant => 1,
         Beam::Dynamic => 2,
     };
-    action | u8::from(m.burns()) << 3 | beam << 4
+    action | u8::from(m.works(bed.laser)) << 3 | beam << 4
 }
 
 fn arc(m: &Move) -> Option<(P2, f64)> {
@@ -141,7 +141,7 @@ mod tests {
         ] {
             assert_eq!(column.len(), length(bytes));
         }
-        let kinds: Vec<u8> = moves.iter().map(kind).collect();
+        let kinds: Vec<u8> = moves.iter().map(|m| kind(m, &bed())).collect();
         assert_eq!(kinds, [4 | 2 << 4, 2 << 4, 2 | 8 | 2 << 4, 3 | 2 << 4, 1 | 8 | 2 << 4]);
     }
 

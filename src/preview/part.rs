@@ -36,21 +36,27 @@ const TITLE: f64 = 3.2;
 const CAPTION: f64 = 2.1;
 const SECTION_TEXT: f64 = 1.5;
 const RULER_TEXT: f64 = 1.4;
+/// The floor is shown under parts that lie at most this share of their height above it; a part that rests on others would be lost in the room between.
+const NEAR_FLOOR: f64 = 0.25;
 
 /// Draws the folded ruffle in its outline: the region pale blue, outer sections a little heavier than inner ones, a band under densified sections that is the darker
-/// the more often they were densified, joints as dots with their numbers beside them, the sections' numbers in little boxes, the floor, a scale bar and the caption.
+/// the more often they were densified, joints as dots with their numbers beside them, the sections' numbers in little boxes, the floor where it is near, a scale bar and the caption.
 /// The canvas is in the plane frame and at true size.
 pub fn part_canvas(view: &PartView) -> Canvas {
     let shown = view.outline.bounds().union(Rect::around(view.positions));
-    let shown = if shown.is_empty() { Rect::from_size(1.0, 1.0) } else { shown.with(P2::new(shown.min.x, 0.0)) };
+    let shown = if shown.is_empty() { Rect::from_size(1.0, 1.0) } else { shown };
+    let near_floor = shown.min.y <= NEAR_FLOOR * shown.height();
+    let shown = if near_floor { shown.with(P2::new(shown.min.x, 0.0)) } else { shown };
     let unit = 0.01 * shown.width().max(shown.height()).max(1e-3);
     let picture = shown.grown(MARGIN * unit);
     let foot = Foot::new(view, &picture, unit);
     let mut canvas = Canvas::new(foot.area(&picture));
 
     canvas.region(view.outline.loops(), Some(Colour::REGION), None);
-    let floor = [P2::new(picture.min.x + unit, 0.0), P2::new(picture.max.x - unit, 0.0)];
-    canvas.polyline(&floor, Stroke::new(Colour::GREY, HAIR * unit));
+    if near_floor {
+        let floor = [P2::new(picture.min.x + unit, 0.0), P2::new(picture.max.x - unit, 0.0)];
+        canvas.polyline(&floor, Stroke::new(Colour::GREY, HAIR * unit));
+    }
     draw_rulers(&mut canvas, &picture, unit);
     draw_density(&mut canvas, view, unit);
     draw_strip(&mut canvas, view, unit);
@@ -276,7 +282,7 @@ fn round_length(limit_mm: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ruffle::{Densification, Densified, Node};
+    use crate::ruffle::{Densification, Densified, Node, uniform_stack};
     use tiny_skia::Pixmap;
 
     /// A 60 x 40 mm box with a strip that runs along the floor, up the right side, back, and down the left side onto its start; the way
@@ -346,6 +352,21 @@ mod tests {
         let ink = widths(Colour::INK);
         let bands = widths(Colour::DENSITY[0]);
         assert!(ink[0] < ink[2] && bands.iter().filter(|w| **w > ink[2]).count() >= 2, "{ink:?} {bands:?}");
+    }
+
+    #[test]
+    fn a_part_high_above_the_floor_fills_its_picture() {
+        let high = |by: f64| {
+            let ruffle = uniform_stack(2, 20.0, 40.0, 4.0);
+            let up = V2::new(0.0, by);
+            let positions: Vec<P2> = ruffle.positions.iter().map(|p| p + up).collect();
+            let outline = Outline { outer: positions.clone(), holes: Vec::new() };
+            let (name, joints, caption) = ("A", Vec::new(), Vec::new());
+            let ruffle = &ruffle.ruffle;
+            part_canvas(&PartView { name, outline: &outline, ruffle, positions: &positions, joints, caption }).area
+        };
+        assert!((high(300.0).height() - high(0.0).height()).abs() < 1e-6);
+        assert!(high(300.0).min.y > 200.0 && high(5.0).min.y < 0.0);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A program on its bed: what a dry run shows.
 
 use crate::gcode::{Action, Beam, Move, Timing};
-use crate::geom::{P2, Rect};
+use crate::geom::{P2, Rect, V2};
 
 /// The machine a program is shown on.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +16,8 @@ pub struct Bed {
     pub max_s: f64,
     /// Light that leaves the lens at full power, W; `None` when nobody knows.
     pub optical_power_w: Option<f64>,
+    /// True when the tool burns; a knife or a pen works wherever it moves at a feed.
+    pub laser: bool,
 }
 
 /// Which way a sheet's grain runs.
@@ -27,11 +29,13 @@ pub struct GrainRun {
     pub known: bool,
 }
 
-/// The sheet a program cuts; it lies with its lower left corner at work zero.
+/// The sheet a program cuts, as it lies on the machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stock {
     /// "A4".
     pub name: String,
+    /// Its lower left corner, mm in work coordinates.
+    pub at: P2,
     /// Along x, mm.
     pub width_mm: f64,
     /// Along y, mm.
@@ -62,15 +66,16 @@ pub struct Run<'a> {
 /// What cuts and travels of a run come to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lengths {
-    /// With the laser on, mm.
+    /// With the tool at work, mm.
     pub cut_mm: f64,
-    /// With it off, mm.
+    /// With it off the sheet, mm.
     pub travel_mm: f64,
 }
 
 impl Run<'_> {
-    pub(super) fn lengths(&self) -> Lengths {
-        let sum = |burning: bool| self.moves.iter().filter(|m| m.burns() == burning).map(Move::length_mm).sum();
+    pub(super) fn lengths(&self, bed: &Bed) -> Lengths {
+        let sum =
+            |working: bool| self.moves.iter().filter(|m| m.works(bed.laser) == working).map(Move::length_mm).sum();
         Lengths { cut_mm: sum(true), travel_mm: sum(false) }
     }
 
@@ -81,10 +86,20 @@ impl Run<'_> {
     }
 }
 
+impl Stock {
+    /// Where it lies, mm in work coordinates.
+    pub fn rect(&self) -> Rect {
+        Rect { min: self.at, max: self.at + V2::new(self.width_mm, self.height_mm) }
+    }
+}
+
 impl Bed {
-    /// Share of full power commanded in a move, 0 when the laser is off.
+    /// Share of full power commanded in a move, 0 when the laser is off; 1 for a knife or a pen at work.
     pub(super) fn power(&self, m: &Move) -> f64 {
-        if m.burns() { m.power_s / self.max_s } else { 0.0 }
+        match m.works(self.laser) {
+            true if self.laser => m.power_s / self.max_s,
+            works => f64::from(u8::from(works)),
+        }
     }
 
     /// Energy a burning move leaves per length, J/mm for `optical_power_w` watts or for one: E = p W t / L. Under M4 power follows speed, so that
@@ -113,6 +128,7 @@ pub(super) mod tests {
             keep_outs: vec![("magnet".into(), Rect { min: P2::new(350.0, 0.0), max: P2::new(370.0, 20.0) })],
             max_s: 1000.0,
             optical_power_w: Some(5.0),
+            laser: true,
         }
     }
 
@@ -128,6 +144,7 @@ pub(super) mod tests {
             timing: estimate(moves, &Limits::USUAL),
             stock: Some(Stock {
                 name: "A4".into(),
+                at: P2::origin(),
                 width_mm: 297.0,
                 height_mm: 210.0,
                 grain: Some(GrainRun { along_x: true, known: false }),
@@ -155,7 +172,7 @@ pub(super) mod tests {
         let text = "M4S0\nG0X10\nG1X30S300F600\nG0Y40S0\nG4P1";
         let moves = moves(text);
         let run = run(text, &moves);
-        assert_eq!(run.lengths(), Lengths { cut_mm: 20.0, travel_mm: 50.0 });
+        assert_eq!(run.lengths(&bed()), Lengths { cut_mm: 20.0, travel_mm: 50.0 });
         assert_eq!(run.bounds(), Rect::from_size(30.0, 40.0));
     }
 }

@@ -23,7 +23,11 @@ const MAX_CHORDS: usize = 2000;
 pub fn run_canvas(run: &Run, bed: &Bed, by: ColorBy) -> Canvas {
     let values = by.values(run, bed);
     let scale = by.scale(std::slice::from_ref(run), bed);
-    let mut pens = vec![Pen { name: "laser off".into(), colour: Colour::GREY, ..MoveKind::Travel.pen() }];
+    let mut pens = vec![Pen {
+        name: if bed.laser { "laser off" } else { "tool up" }.into(),
+        colour: Colour::GREY,
+        ..MoveKind::Travel.pen()
+    }];
     pens.extend(cut_pens(by, &scale, bed));
     let moving = run.moves.iter().zip(values).filter(|(m, _)| m.length_mm() > 0.0);
     let moves: Vec<SheetMove> = moving
@@ -33,7 +37,7 @@ pub fn run_canvas(run: &Run, bed: &Bed, by: ColorBy) -> Canvas {
     // The lettering has no semicolon.
     legend.extend(run.notes.iter().map(|note| note.replace(';', ",")));
     sheet_canvas(&SheetView {
-        title: &format!("{}: {}", run.name, what(by)),
+        title: &format!("{}: {}", run.name, what(by, bed)),
         stock: run.stock.as_ref(),
         reach: Some(bed.reach),
         keep_outs: &bed.keep_outs,
@@ -56,8 +60,9 @@ pub fn flattened(m: &Move) -> Vec<P2> {
     (0..=steps).map(|i| m.point_at(i as f64 / steps as f64).xy()).collect()
 }
 
-fn what(by: ColorBy) -> &'static str {
+fn what(by: ColorBy, bed: &Bed) -> &'static str {
     match by {
+        ColorBy::Power if !bed.laser => "moves",
         ColorBy::Power => "power",
         ColorBy::Feed => "feed",
         ColorBy::Energy => "energy per mm",
@@ -70,6 +75,9 @@ fn cut_pens(by: ColorBy, scale: &Scale, bed: &Bed) -> Vec<Pen> {
     let unit = by.unit(bed);
     let tell = |value: f64| if by == ColorBy::Order { clock(value) } else { figures(value) };
     let with_unit = |text: String| if by == ColorBy::Order { text } else { format!("{text} {unit}") };
+    if by == ColorBy::Power && !bed.laser {
+        return vec![pen(1.0, "tool down".into())];
+    }
     if !scale.steps.is_empty() {
         return scale.steps.iter().map(|v| pen(scale.share(*v), with_unit(tell(*v)))).collect();
     }

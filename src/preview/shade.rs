@@ -65,13 +65,13 @@ impl ColorBy {
         }
     }
 
-    /// The value of every move that burns, in [`ColorBy::unit`] (order: s from the start).
+    /// The value of every move that works, in [`ColorBy::unit`] (order: s from the start).
     pub(super) fn values(self, run: &Run, bed: &Bed) -> Vec<Option<f64>> {
         let mut clock_s = 0.0;
         let value = |(m, time_s): (&crate::gcode::Move, &f64)| {
             let began_s = clock_s;
             clock_s += time_s;
-            m.burns().then(|| match self {
+            m.works(bed.laser).then(|| match self {
                 ColorBy::Power => 100.0 * bed.power(m),
                 ColorBy::Feed => m.feed_mm_per_min,
                 ColorBy::Energy => bed.energy_j_per_mm(m, *time_s),

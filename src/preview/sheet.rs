@@ -89,7 +89,7 @@ impl SheetView<'_> {
     fn sheet(&self) -> Rect {
         let drawn = || Rect::around(self.moves.iter().flat_map(|m| &m.points));
         match self.stock {
-            Some(stock) => Rect::from_size(stock.width_mm, stock.height_mm),
+            Some(stock) => stock.rect(),
             None => Some(drawn()).filter(|r| !r.is_empty()).or(self.reach).unwrap_or(Rect::from_size(1.0, 1.0)),
         }
     }
@@ -271,7 +271,13 @@ mod tests {
     }
 
     fn stock(width_mm: f64, height_mm: f64) -> Stock {
-        Stock { name: "A4".into(), width_mm, height_mm, grain: Some(GrainRun { along_x: true, known: true }) }
+        Stock {
+            name: "A4".into(),
+            at: P2::origin(),
+            width_mm,
+            height_mm,
+            grain: Some(GrainRun { along_x: true, known: true }),
+        }
     }
 
     fn view<'a>(stock: &'a Stock, pens: &'a [Pen], moves: &'a [SheetMove], title: &'a str) -> SheetView<'a> {

@@ -14,6 +14,8 @@ const LINE_POINTS: usize = 96;
 const CORNER_HALVES: f64 = 1.5;
 /// A foot ends within this share of the outline's height.
 const FOOT_SHARE: f64 = 0.04;
+/// And is no wider than this many half widths of the line: what is wider is a base, not the end of a leg.
+const FOOT_HALVES: f64 = 4.0;
 /// A line is that of a bow if it turns by more than this, rad: over a right angle with room for rounded corners.
 const BOW_TURN: f64 = 2.6;
 /// The corners of its triangles are smoothed away over half a width, this often.
@@ -161,7 +163,7 @@ fn foot_under(outline: &Outline, end: P2, half: f64) -> Option<P2> {
     let feet = outline.chords(bounds.min.y + FOOT_SHARE * bounds.height());
     let away = |(left, right): &(f64, f64)| (left - end.x).max(end.x - right).max(0.0);
     let foot = feet.into_iter().min_by(|a, b| away(a).total_cmp(&away(b)))?;
-    Some(P2::new(0.5 * (foot.0 + foot.1), bounds.min.y))
+    (foot.1 - foot.0 <= FOOT_HALVES * half).then_some(P2::new(0.5 * (foot.0 + foot.1), bounds.min.y))
 }
 
 /// Where a line that ends at `last`, going `along`, meets the foot or the outline; and whether it stands there.
@@ -323,6 +325,7 @@ mod tests {
         assert_eq!(suited_direction(&rectangle(100.0, 100.0)), Direction::Vertical);
         assert_eq!(suited_direction(&rectangle(40.0, 160.0)), Direction::Vertical);
         assert_eq!(suited_direction(&rectangle(200.0, 60.0)), Direction::Horizontal);
+        assert_eq!(suited_direction(&rectangle(140.0, 50.0)), Direction::Horizontal);
         assert_eq!(suited_direction(&l), Direction::Vertical);
     }
 }

@@ -1,4 +1,5 @@
-//! Strips that tie two parts together: each end lies over a joint of one part, and the joint's own flap goes through it as well (paper section 3.2).
+//! Strips that tie two parts together: each end lies in a joint of one part, between the flap's sheet and the slit's, and the joint's own flap goes through it on its
+//! way (paper section 3.2). From between two sheets it gets out of the ruffle where they part; from behind them it would have to cross a wall.
 
 use super::{Error, Face, Half, Passage, Piece, Seat, Settings};
 use crate::drawing::{Drawing, DrawnPath, KerfSide, Role, text_paths, text_width};
@@ -65,7 +66,7 @@ pub fn nearest_joints(
     pairs
 }
 
-/// The connector between two joints. `pieces` are those of all parts: they tell where the flaps are.
+/// The connector between two joints. `pieces` are those of all parts, laid flat with these joints tied: they tell where the flaps are.
 ///
 /// # Errors
 /// A joint that its part does not have, or that has no flap.
@@ -156,7 +157,7 @@ struct End {
     normal: V3,
     /// The joint's flaps.
     seats: Vec<Seat>,
-    /// Sheets they go through before the connector.
+    /// Sheets they go through, connectors counted.
     sheets: usize,
 }
 
@@ -192,16 +193,15 @@ impl End {
         self.place + self.normal * seat.across_mm
     }
 
-    /// What a connector carries at this end: the slit after all those of the part.
+    /// What a connector carries at this end: the first slit its flap goes through.
     fn passage(&self, station_mm: f64, seat: Seat) -> Passage {
-        let sheets = self.sheets + 1;
         Passage {
             joint: self.name.clone(),
             station_mm,
             half: Half::Slit,
             face: Face::Back,
-            depth: sheets,
-            sheets,
+            depth: 1,
+            sheets: self.sheets,
             seats: vec![seat],
         }
     }
@@ -233,11 +233,16 @@ mod tests {
 
     /// A filled square and the same one as a second part, 120 mm higher and `before` mm nearer to the viewer.
     fn two(before: f64) -> (Vec<Part>, Vec<Piece>) {
+        let last = part(40.0).ruffle.connection_points().len() as u32;
         let lower = part(40.0);
         let mut upper = Part { name: "B".into(), ..lower.clone() };
         upper.frame.origin += V3::new(0.0, 120.0, before);
         let parts = vec![lower, upper];
-        let pieces = parts.iter().flat_map(|p| pieces(p, &settings(5000.0)).unwrap().pieces).collect();
+        let pieces = parts
+            .iter()
+            .zip([last, 1])
+            .flat_map(|(p, tied)| pieces(p, &[tied], &settings(5000.0)).unwrap().pieces)
+            .collect();
         (parts, pieces)
     }
 
@@ -262,7 +267,9 @@ mod tests {
         let between = b.station_mm - a.station_mm;
         assert!((way.norm()..1.5 * way.norm()).contains(&between), "{between} for {}", way.norm());
         assert!((b.seats[0].across_mm - 7.0).abs() < 1e-9, "the second part lies 7 mm nearer");
-        assert_eq!((a.depth, a.sheets), (2, 2), "behind the sheet that the flap goes through anyway");
+        assert_eq!((a.depth, a.sheets), (1, 2), "between the flap's sheet and the slit's");
+        let own = laid.iter().flat_map(|p| &p.passages).find(|p| p.joint == b.joint && p.half == Half::Slit).unwrap();
+        assert_eq!((own.depth, own.sheets), (2, 2), "the part's own slit comes after the connector's");
         let contour = made.piece.drawing.outline().unwrap().flatten(0.01);
         for cut in made.piece.drawing.paths.iter().filter(|p| p.role != Role::Outline) {
             assert!(cut.path.flatten(0.01).iter().all(|p| contains(&contour, *p)), "{:?} {:?}", cut.role, cut.joint);

@@ -19,6 +19,8 @@ use std::ops::Range;
 pub(super) struct Cutting<'a> {
     pub part: &'a Part,
     pub edges: &'a Edges,
+    /// Numbers of the joints that connectors lie in.
+    pub tied: &'a [u32],
     pub settings: &'a Settings,
     pub spots: &'a [Spot],
 }
@@ -50,7 +52,8 @@ impl Cutting<'_> {
         }
         let told = told::warnings(&splices, self.edges.length_mm(), &left_out);
         warnings.extend(told.into_iter().map(|w| w.in_part(&self.part.name)));
-        let max_mating_error_mm = mating::worst_mating_error_mm(self.part, cuts.iter(), &self.settings.joint);
+        let max_mating_error_mm =
+            mating::worst_mating_error_mm(self.part, self.tied, cuts.iter(), &self.settings.joint);
         Pieces { pieces, splices, max_mating_error_mm, label_collisions, warnings }
     }
 
@@ -196,15 +199,21 @@ impl Cutting<'_> {
         if self.settings.labels != Labels::Notches {
             return Vec::new();
         }
+        let joints = self.part.ruffle.connection_points().len();
         let mut cut: Vec<Notch> = Vec::new();
         for passage in own {
             let fold = if passage.face == seen_from { Fold::Toward } else { Fold::Away };
             let digits = passage.joint.trim_start_matches(|c: char| !c.is_ascii_digit());
+            let number: Option<usize> = digits.parse().ok();
+            // Both rows of a lap lie where one group has room; the first tells the lap.
+            if number.is_some_and(|n| n > joints && (n - joints).is_multiple_of(2)) {
+                continue;
+            }
             // On one edge groups follow one another without touching.
             let last = cut.iter().rev().find(|n| n.upper == (fold == Fold::Away));
             let from = last.map_or(range.start + NOTCH_END_MM, |n| n.at_mm + NOTCH_APART_MM);
             let between = (from, range.end - NOTCH_END_MM);
-            let own = digits.parse().ok().and_then(|n| notches(n, passage.station_mm, between, fold));
+            let own = number.and_then(|n| notches(n as u32, passage.station_mm, between, fold));
             cut.extend(own.unwrap_or_default());
         }
         cut

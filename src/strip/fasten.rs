@@ -10,8 +10,9 @@ use crate::geom::tolerance;
 use crate::progress::Warning;
 use crate::ruffle::ConnectionPoint;
 
-/// Passages of every connection point, by station, and what the user should know.
-pub(super) fn passages(part: &Part, edges: &Edges, joint: &Joint) -> (Vec<Passage>, Vec<Warning>) {
+/// Passages of every connection point, by station, and what the user should know. `tied` are the numbers of joints that a connector lies in, between the flap's sheet
+/// and the next: from there it gets out where the two sheets part. Once for each connector.
+pub(super) fn passages(part: &Part, edges: &Edges, joint: &Joint, tied: &[u32]) -> (Vec<Passage>, Vec<Warning>) {
     let stations = part.ruffle.stations();
     let connections = part.ruffle.connection_points();
     let mut site = Site { connections: &connections, stations: &stations, edges, joint, placed: Vec::new() };
@@ -20,7 +21,8 @@ pub(super) fn passages(part: &Part, edges: &Edges, joint: &Joint) -> (Vec<Passag
         let name = format!("{}{}", part.name, connection.joint);
         let meeting = Meeting::new(part, connection);
         let (flap_pass, face, through) = meeting.flap_pass(joint.head_length_mm);
-        let sheets = through.len();
+        let between = tied.iter().filter(|number| **number == connection.joint).count();
+        let sheets = through.len() + between;
         let bed = site.bed(connection, flap_pass, sheets);
         beds.push(((bed.hi - bed.lo).max(0.0), name.clone()));
         let middles = bed.middles(joint);
@@ -38,7 +40,7 @@ pub(super) fn passages(part: &Part, edges: &Edges, joint: &Joint) -> (Vec<Passag
         };
         site.placed.push(passage(flap_pass, from, face, 0));
         for (i, pass) in through.into_iter().enumerate() {
-            site.placed.push(passage(pass, into, meeting.face_toward(pass, flap_pass), i + 1));
+            site.placed.push(passage(pass, into, meeting.face_toward(pass, flap_pass), between + i + 1));
         }
     }
     let mut passages = site.placed;

@@ -18,7 +18,7 @@ pub enum Labels {
         height_mm: f64,
     },
     /// Notches in the edge at every joint: deep ones count five, shallow ones one; in the lower edge for a flap that folds toward you, in the upper for one that folds
-    /// away, and so for the slits they enter.
+    /// away, and so for the slits they enter. Of the two joints of a lap only the first is told.
     Notches,
     /// Nothing on the sheet; the assembly sheets show which joint is which.
     Nothing,

@@ -4,16 +4,18 @@ use super::joint::Joint;
 use crate::drawing::{DrawnPath, Role};
 use crate::fit::Part;
 use crate::geom::{P2, V2};
+use crate::ruffle::ConnectionPoint;
 
 /// Largest distance between where a flap's root finds its slits and where it should, mm. Both are taken from the drawn cuts and bent along the equilibrium: root and
 /// slit pass through the same point of space, at the same height, and the slit lies ahead of it by the joint's lead, the way the flap points. A flap without a slit,
-/// or a slit without a flap, is infinitely far off.
+/// or a slit without a flap, is infinitely far off. `tied` are the numbers of joints that a connector lies in.
 pub(super) fn worst_mating_error_mm<'a>(
     part: &Part,
+    tied: &[u32],
     cuts: impl Iterator<Item = &'a DrawnPath> + Clone,
     joint: &Joint,
 ) -> f64 {
-    let curve = Curve { part, stations: part.ruffle.stations() };
+    let curve = Curve { part, tied, joints: part.ruffle.connection_points(), stations: part.ruffle.stations() };
     let of = |role: Role| cuts.clone().filter(move |c| c.role == role);
     let nearest = |cut: &DrawnPath, errors: &mut dyn Iterator<Item = (f64, &Option<String>)>| {
         let own = errors.filter(|(_, joint)| **joint == cut.joint).map(|(error, _)| error);
@@ -32,6 +34,8 @@ const LAP_MM: f64 = 1.0;
 /// The strip as it lies, by distance along it.
 struct Curve<'a> {
     part: &'a Part,
+    tied: &'a [u32],
+    joints: Vec<ConnectionPoint>,
     stations: Vec<f64>,
 }
 
@@ -65,16 +69,18 @@ impl Curve<'_> {
         let pass = self.nearest_pass(middle.x, root.x);
         let lead = (middle.x - pass) * self.direction(pass).dot(&points).signum();
         let apart = (self.place(pass) - self.place(root.x)).norm();
-        // Behind another sheet the slit lies a thickness farther ahead.
-        let depths = (1..=self.partners_at(root.x)).map(|depth| (lead - joint.lead_mm(depth)).abs());
+        // Behind another sheet the slit lies a thickness farther ahead; connectors lie before all others.
+        let (partners, between) = self.partners_at(root.x);
+        let depths = (between + 1..=between + partners).map(|depth| (lead - joint.lead_mm(depth)).abs());
         let lead_error = depths.fold(f64::INFINITY, f64::min);
         apart.hypot(lead_error).hypot(middle.y - root.y)
     }
 
-    /// Passes that meet the strip where it passes `s`; one, its own, in a lap.
-    fn partners_at(&self, s: f64) -> usize {
-        let walk = &self.part.ruffle.walk;
-        let near = self.stations.iter().position(|t| (t - s).abs() < LAP_MM);
-        near.map_or(1, |k| walk.iter().filter(|n| **n == walk[k]).count().saturating_sub(1).max(1))
+    /// Passes that meet the strip where it passes `s`, and connectors between; one, its own, in a lap.
+    fn partners_at(&self, s: f64) -> (usize, usize) {
+        let at = |joint: &&ConnectionPoint| joint.passes.iter().any(|k| (self.stations[*k] - s).abs() < LAP_MM);
+        let Some(joint) = self.joints.iter().find(at) else { return (1, 0) };
+        let between = self.tied.iter().filter(|number| **number == joint.joint).count();
+        (joint.passes.len() - 1, between)
     }
 }

@@ -81,14 +81,14 @@ pub struct Pieces {
     pub warnings: Vec<Warning>,
 }
 
-/// Lays `part` flat and divides it into pieces.
+/// Lays `part` flat and divides it into pieces. `tied` are the numbers of its joints that [`connector`]s lie in, once for each.
 ///
 /// # Errors
 /// A joint that would fall open or not close with this kerf and thickness; a strip that cannot be divided for the stock.
-pub fn pieces(part: &Part, settings: &Settings) -> Result<Pieces, Error> {
+pub fn pieces(part: &Part, tied: &[u32], settings: &Settings) -> Result<Pieces, Error> {
     settings.joint.check(settings.kerf_mm)?;
     let edges = Edges::new(part, settings.joint.end_tab_mm);
-    let (passages, warnings) = fasten::passages(part, &edges, &settings.joint);
+    let (passages, warnings) = fasten::passages(part, &edges, &settings.joint, tied);
     let whole = edges.range();
     let spots = if edges.length_mm() <= settings.max_piece_mm {
         Vec::new()
@@ -98,7 +98,7 @@ pub fn pieces(part: &Part, settings: &Settings) -> Result<Pieces, Error> {
     let used = divide::divide(&spots, whole, settings.max_piece_mm).map_err(|(from_mm, to_mm)| {
         Error::NoRoomForSplice { part: part.name.clone(), from_mm, to_mm, max_piece_mm: settings.max_piece_mm }
     })?;
-    Ok(Cutting { part, edges: &edges, settings, spots: &used }.cut(passages, warnings))
+    Ok(Cutting { part, edges: &edges, tied, settings, spots: &used }.cut(passages, warnings))
 }
 
 #[cfg(test)]

@@ -84,7 +84,7 @@ fn is_simple(corners: &[P2]) -> bool {
 #[test]
 fn a_short_strip_is_one_piece_as_long_as_strip_and_tabs() {
     let part = part(40.0);
-    let laid = pieces(&part, &settings(5000.0)).unwrap();
+    let laid = pieces(&part, &[], &settings(5000.0)).unwrap();
     assert_eq!((laid.pieces.len(), laid.splices.len()), (1, 0));
     let piece = &laid.pieces[0];
     assert!((piece.length_mm - (part.ruffle.strip_length() + 18.0)).abs() < 1e-6);
@@ -97,7 +97,7 @@ fn a_short_strip_is_one_piece_as_long_as_strip_and_tabs() {
 fn pieces_fit_the_stock_and_their_lengths_sum_to_strip_and_splices() {
     let part = part(40.0);
     for kind in KINDS {
-        let laid = pieces(&part, &spliced(kind, 277.0)).unwrap();
+        let laid = pieces(&part, &[], &spliced(kind, 277.0)).unwrap();
         let n = laid.pieces.len();
         assert!(n > 2);
         assert!(laid.pieces.iter().all(|p| p.length_mm <= 277.0 + 1e-9), "{kind:?}");
@@ -122,7 +122,7 @@ fn a_strip_of_two_metres_goes_on_sheets_of_400_mm() {
         part.ruffle.rest_lengths.iter_mut().for_each(|l| *l *= scale);
         part.equilibrium.positions.iter_mut().for_each(|p| *p *= scale);
         for max in [380.0, 277.0] {
-            let laid = pieces(&part, &settings(max)).unwrap();
+            let laid = pieces(&part, &[], &settings(max)).unwrap();
             assert!(laid.pieces.iter().all(|p| p.length_mm <= max), "{strips} m on {max} mm");
         }
     }
@@ -130,7 +130,7 @@ fn a_strip_of_two_metres_goes_on_sheets_of_400_mm() {
 
 #[test]
 fn at_a_joint_both_ends_carry_its_slits_and_its_flap_goes_through_both() {
-    let laid = pieces(&part(40.0), &settings(277.0)).unwrap();
+    let laid = pieces(&part(40.0), &[], &settings(277.0)).unwrap();
     let at_joints: Vec<&Splice> = laid.splices.iter().filter(|s| s.kind == SpliceKind::Connection).collect();
     assert!(!at_joints.is_empty());
     for splice in at_joints {
@@ -150,7 +150,7 @@ fn at_a_joint_both_ends_carry_its_slits_and_its_flap_goes_through_both() {
 
 #[test]
 fn a_lap_is_held_by_flaps_of_each_piece_in_slits_of_the_other() {
-    let laid = pieces(&part(40.0), &spliced(SpliceKind::Lap, 277.0)).unwrap();
+    let laid = pieces(&part(40.0), &[], &spliced(SpliceKind::Lap, 277.0)).unwrap();
     let joints = part(40.0).ruffle.connection_points().len() as u32;
     for splice in &laid.splices {
         assert_eq!(splice.joints.len(), 2);
@@ -170,7 +170,7 @@ fn a_lap_is_held_by_flaps_of_each_piece_in_slits_of_the_other() {
     }
     let mut sewn = spliced(SpliceKind::Lap, 277.0);
     sewn.splice.thread_hole_mm = Some(1.5);
-    let laid = pieces(&part(40.0), &sewn).unwrap();
+    let laid = pieces(&part(40.0), &[], &sewn).unwrap();
     let stitches =
         of_role(&laid.pieces, Role::Hole).into_iter().filter(|h| (h.path.bounds().width() - 1.5).abs() < 1e-9);
     assert!(stitches.count() >= 2 * 2 * 4 * laid.splices.len());
@@ -180,7 +180,7 @@ fn a_lap_is_held_by_flaps_of_each_piece_in_slits_of_the_other() {
 fn every_joint_has_flaps_on_one_pass_and_as_many_slits_on_the_other() {
     for (width, across) in [(30.0, 1), (80.0, 2), (140.0, 3)] {
         let part = part(width);
-        let laid = pieces(&part, &settings(5000.0)).unwrap();
+        let laid = pieces(&part, &[], &settings(5000.0)).unwrap();
         for connection in part.ruffle.connection_points() {
             let joint = Some(format!("A{}", connection.joint));
             let count = |role: Role| of_role(&laid.pieces, role).iter().filter(|d| d.joint == joint).count();
@@ -194,7 +194,7 @@ fn every_joint_has_flaps_on_one_pass_and_as_many_slits_on_the_other() {
 #[test]
 fn flaps_fold_toward_the_side_on_which_their_partner_lies() {
     let part = load_test_part(ruffle::Strip::Default);
-    let laid = pieces(&part, &settings(5000.0)).unwrap();
+    let laid = pieces(&part, &[], &settings(5000.0)).unwrap();
     let flap = |joint: &str| {
         let mut passages = laid.pieces[0].passages.iter();
         passages.find(|p| p.joint == joint && p.half == Half::Flap).unwrap().clone()
@@ -218,7 +218,7 @@ fn cuts_and_labels_lie_inside_their_piece_and_apart() {
     let looks =
         [Labels::Strokes { height_mm: 3.0 }, Labels::Strokes { height_mm: 5.0 }, Labels::Perforated { height_mm: 6.0 }];
     for labels in looks {
-        let laid = pieces(&part(40.0), &Settings { labels, ..settings(277.0) }).unwrap();
+        let laid = pieces(&part(40.0), &[], &Settings { labels, ..settings(277.0) }).unwrap();
         assert_eq!(laid.label_collisions, 0);
         for piece in &laid.pieces {
             let contour = piece.drawing.outline().unwrap().flatten(tolerance::FLATTEN_MM);
@@ -237,20 +237,32 @@ fn cuts_and_labels_lie_inside_their_piece_and_apart() {
 
 #[test]
 fn notches_tell_joints_where_nothing_can_be_written() {
-    let laid = pieces(&part(40.0), &Settings { labels: Labels::Notches, ..settings(5000.0) }).unwrap();
-    let plain = pieces(&part(40.0), &Settings { labels: Labels::Nothing, ..settings(5000.0) }).unwrap();
+    let laid = pieces(&part(40.0), &[], &Settings { labels: Labels::Notches, ..settings(5000.0) }).unwrap();
+    let plain = pieces(&part(40.0), &[], &Settings { labels: Labels::Nothing, ..settings(5000.0) }).unwrap();
     let corners = |laid: &Pieces| laid.pieces[0].drawing.outline().unwrap().vertices.len();
     let notches: usize =
         laid.pieces[0].passages.iter().map(|p| p.joint[1..].parse::<usize>().unwrap()).map(|n| n / 5 + n % 5).sum();
     assert_eq!(corners(&laid), corners(&plain) + 3 * notches);
     assert!(is_simple(&laid.pieces[0].drawing.outline().unwrap().flatten(0.05)));
+    // Of a lap's two rows one is told, at both ends that it joins.
+    let mut sewn = spliced(SpliceKind::Lap, 277.0);
+    sewn.labels = Labels::Notches;
+    let notched = pieces(&part(40.0), &[], &sewn).unwrap();
+    let bare = pieces(&part(40.0), &[], &Settings { labels: Labels::Nothing, ..sewn }).unwrap();
+    let joints = part(40.0).ruffle.connection_points().len();
+    for (with, without) in notched.pieces.iter().zip(&bare.pieces) {
+        let numbers = with.passages.iter().map(|p| p.joint[1..].parse::<usize>().unwrap());
+        let told = numbers.filter(|n| *n <= joints || (n - joints) % 2 == 1).map(|n| n / 5 + n % 5).sum::<usize>();
+        let corners = |piece: &Piece| piece.drawing.outline().unwrap().vertices.len();
+        assert_eq!(corners(with), corners(without) + 3 * told, "{}", with.name);
+    }
     assert!(of_role(&laid.pieces, Role::Label).is_empty() && of_role(&laid.pieces, Role::Mark).is_empty());
 }
 
 #[test]
 fn a_clean_outside_has_no_marks_and_a_mirrored_piece_reads_from_its_back() {
     let part = part(40.0);
-    let laid = pieces(&part, &Settings { clean_outside: true, ..settings(277.0) }).unwrap();
+    let laid = pieces(&part, &[], &Settings { clean_outside: true, ..settings(277.0) }).unwrap();
     assert_eq!(laid.label_collisions, 0);
     let mut mirrored = 0;
     for piece in &laid.pieces {
@@ -286,11 +298,11 @@ fn other_fastenings_take_the_place_of_flap_and_slit() {
     let part = part(40.0);
     let joints = part.ruffle.connection_points().len();
     let holes = Joint { fastening: Fastening::Holes { diameter_mm: 3.2 }, edge_distance_mm: 5.0, ..joint::paper() };
-    let laid = pieces(&part, &Settings { joint: holes, ..settings(5000.0) }).unwrap();
+    let laid = pieces(&part, &[], &Settings { joint: holes, ..settings(5000.0) }).unwrap();
     assert_eq!(of_role(&laid.pieces, Role::Hole).len(), 2 * joints);
     assert!(of_role(&laid.pieces, Role::Flap).is_empty());
     let marked = Joint { fastening: Fastening::Mark, ..joint::paper() };
-    let laid = pieces(&part, &Settings { joint: marked, ..settings(5000.0) }).unwrap();
+    let laid = pieces(&part, &[], &Settings { joint: marked, ..settings(5000.0) }).unwrap();
     let crosses = of_role(&laid.pieces, Role::Mark);
     assert!(crosses.len() == 4 * joints && crosses.iter().all(|c| c.joint.is_some()));
 }
@@ -298,10 +310,10 @@ fn other_fastenings_take_the_place_of_flap_and_slit() {
 #[test]
 fn a_slit_that_moves_or_leads_the_wrong_way_shows_in_the_mating_error() {
     let part = part(40.0);
-    let laid = pieces(&part, &settings(5000.0)).unwrap();
+    let laid = pieces(&part, &[], &settings(5000.0)).unwrap();
     let joint = joint::paper();
     let drawn = &laid.pieces[0].drawing.paths;
-    let error = |paths: &[DrawnPath]| mating::worst_mating_error_mm(&part, paths.iter(), &joint);
+    let error = |paths: &[DrawnPath]| mating::worst_mating_error_mm(&part, &[], paths.iter(), &joint);
     for (ds, dw, least) in [(0.3, 0.0, 0.2), (-0.3, 0.0, 0.2), (0.0, 0.2, 0.2)] {
         let mut spoilt = drawn.clone();
         let slit = spoilt.iter_mut().find(|p| p.role == Role::Slit).unwrap();
@@ -313,18 +325,21 @@ fn a_slit_that_moves_or_leads_the_wrong_way_shows_in_the_mating_error() {
     slit.joint = Some("A99".into());
     assert!(error(&mislabelled) > 1.0);
     let behind = Joint { slit_ahead_mm: -joint.slit_ahead_mm, ..joint };
-    assert!(mating::worst_mating_error_mm(&part, drawn.iter(), &behind) > 0.9);
+    assert!(mating::worst_mating_error_mm(&part, &[], drawn.iter(), &behind) > 0.9);
 }
 
 #[test]
 fn stock_too_short_for_any_splice_and_joints_that_fall_open_are_refused_with_a_way_out() {
-    let error = pieces(&part(40.0), &settings(40.0)).unwrap_err();
+    let error = pieces(&part(40.0), &[], &settings(40.0)).unwrap_err();
     assert!(matches!(error, Error::NoRoomForSplice { .. }) && error.to_string().contains("--stock"), "{error}");
     let loose = Joint { slit_length_mm: 10.0, ..joint::paper() };
-    let error = pieces(&part(40.0), &Settings { joint: loose, ..settings(500.0) }).unwrap_err();
+    let error = pieces(&part(40.0), &[], &Settings { joint: loose, ..settings(500.0) }).unwrap_err();
     assert!(matches!(error, Error::FallsOpen { .. }) && error.to_string().contains("0.60 mm are needed"), "{error}");
     let thick = Joint { thickness_mm: 1.0, ..joint::paper() };
-    assert!(matches!(pieces(&part(40.0), &Settings { joint: thick, ..settings(500.0) }), Err(Error::NeckShort { .. })));
+    assert!(matches!(
+        pieces(&part(40.0), &[], &Settings { joint: thick, ..settings(500.0) }),
+        Err(Error::NeckShort { .. })
+    ));
 }
 
 /// The paper's table of load-test samples: 486, 749 and 797 mm, 6, 10 and 10 g at 80 mm of width.
@@ -333,7 +348,7 @@ fn the_load_test_strips_are_as_long_and_as_heavy_as_published() {
     for (strip, length, mass) in
         [(ruffle::Strip::Default, 486.0, 6.0), (ruffle::Strip::Wide, 749.0, 10.0), (ruffle::Strip::Dense, 797.0, 10.0)]
     {
-        let laid = pieces(&load_test_part(strip), &settings(5000.0)).unwrap();
+        let laid = pieces(&load_test_part(strip), &[], &settings(5000.0)).unwrap();
         let piece = &laid.pieces[0];
         assert!((piece.length_mm - length).abs() <= 2.0, "{strip:?}: {}", piece.length_mm);
         assert!((piece.mass_g - mass).abs() <= 0.5, "{strip:?}: {}", piece.mass_g);
@@ -365,7 +380,7 @@ proptest! {
         for (node, station) in part.ruffle.walk.iter().zip(&stations) {
             part.spans[node.index()] = swollen(span, station / length);
         }
-        let laid = pieces(&part, &spliced(KINDS[kind], max)).unwrap();
+        let laid = pieces(&part, &[], &spliced(KINDS[kind], max)).unwrap();
         prop_assert!(laid.max_mating_error_mm < 1e-6 && laid.label_collisions == 0);
         let narrow = laid.warnings.iter().find(|w| w.code == "joint-narrow");
         for piece in &laid.pieces {

@@ -58,9 +58,9 @@ pub enum Error {
         role: &'static str,
         /// Full kerf, mm.
         kerf_mm: f64,
-        /// Where, mm in the sheet frame.
+        /// Where, mm in the work frame.
         x_mm: f64,
-        /// Where, mm in the sheet frame.
+        /// Where, mm in the work frame.
         y_mm: f64,
         /// Distance from there to the compensated path, mm.
         distance_mm: f64,
@@ -95,5 +95,24 @@ pub enum Error {
         side: &'static str,
         /// How far, mm.
         by_mm: f64,
+    },
+    /// A run lies where something stands on the bed, or is shut in by it.
+    #[error(
+        "the {role} of piece {piece} runs into {keep_out:?}, or no way leads to it; put that elsewhere, or take away what stands there and its \
+         entry in the machine's keep_outs"
+    )]
+    KeepOut {
+        /// Name of the piece.
+        piece: String,
+        /// Role of the path.
+        role: &'static str,
+        /// What stands there.
+        keep_out: String,
+    },
+    /// What stands on the bed shuts the park point in.
+    #[error("no way leads back to where the tool parks, past {keep_out:?}; put that elsewhere")]
+    NoWayHome {
+        /// What stands there.
+        keep_out: String,
     },
 }

@@ -11,12 +11,42 @@ const MAX_REACH_MM: f64 = 1e-3;
 /// The neighbours of an arc are tangent to it when the corner lies this near to both lines, mm.
 const TANGENT_MM: f64 = 1e-6;
 
-/// Replaces arcs between two tangent lines by the lines' common corner, where that corner lies within [`MAX_REACH_MM`] of the arc.
+/// Sharper turns than this, rad, are round on purpose; a corner there would reach out far.
+const MAX_TURN_RAD: f64 = 2.5;
+
+/// Replaces arcs between two tangent lines by the lines' common corner, where that corner lies within [`MAX_REACH_MM`] of the arc, and takes out what is
+/// left of segments shorter than that.
 pub(super) fn sharpen(path: Path) -> Path {
+    let path = cornered(path, |radius_mm, turn_rad| {
+        turn_rad < 1.0 && radius_mm / (0.5 * turn_rad).cos() - radius_mm <= MAX_REACH_MM
+    });
+    without_hairs(path)
+}
+
+/// Takes out segments too short to write; the ends of an open path stay where they are.
+fn without_hairs(path: Path) -> Path {
+    let last = path.vertices.len().saturating_sub(1);
+    let mut vertices: Vec<PathVertex> = Vec::with_capacity(path.vertices.len());
+    for (i, vertex) in path.vertices.iter().enumerate() {
+        let next = path.vertices.get(i + 1).or(path.vertices.first().filter(|_| path.closed));
+        let hair =
+            next.is_some_and(|next| (next.point - vertex.point).norm() < MAX_REACH_MM && vertex.bulge.abs() < 1.0);
+        let needed = !path.closed && (i == 0 || i == last);
+        if needed || !hair {
+            vertices.push(*vertex);
+        }
+    }
+    if vertices.len() < 2 { path } else { Path { vertices, closed: path.closed } }
+}
+
+/// Replaces those arcs between two tangent lines by the lines' common corner that `unwanted` picks by radius, mm, and turn, rad above 0.
+pub(super) fn cornered(path: Path, unwanted: impl Fn(f64, f64) -> bool) -> Path {
     let segments: Vec<Segment> = path.segments().collect();
     let n = segments.len();
     let corner = |i: usize| {
-        if !path.closed && (i == 0 || i + 1 >= n) {
+        let Segment::Arc { radius, sweep_rad, .. } = segments[i] else { return None };
+        let at_end = !path.closed && (i == 0 || i + 1 >= n);
+        if at_end || sweep_rad.abs() > MAX_TURN_RAD || !unwanted(radius, sweep_rad.abs()) {
             return None;
         }
         corner_of(&segments[(i + n - 1) % n], &segments[i], &segments[(i + 1) % n])
@@ -36,16 +66,12 @@ pub(super) fn sharpen(path: Path) -> Path {
     Path { vertices, closed: path.closed }
 }
 
-/// Where the lines before and after an arc meet, if they are tangent to it and meet near enough.
+/// Where the lines before and after an arc meet, if they are tangent to it.
 fn corner_of(before: &Segment, arc: &Segment, after: &Segment) -> Option<P2> {
     let (Segment::Line { from: a, to: b }, Segment::Line { from: c, to: d }) = (*before, *after) else { return None };
     let Segment::Arc { from, center, radius, sweep_rad, .. } = *arc else { return None };
-    let reach = radius / (0.5 * sweep_rad).cos();
-    if sweep_rad.abs() >= 1.0 || reach - radius > MAX_REACH_MM {
-        return None;
-    }
     let outward = nalgebra::Rotation2::new(0.5 * sweep_rad) * (from - center) / radius;
-    let corner = center + outward * reach;
+    let corner = center + outward * radius / (0.5 * sweep_rad).cos();
     let off_line = |p: P2, q: P2| {
         let along: V2 = (q - p).normalize();
         cross(along, corner - p).abs()
@@ -91,6 +117,16 @@ mod tests {
             assert!(sharp.vertices.iter().all(|v| v.bulge == 0.0));
             assert!((sharp.length() - closed.length()).abs() < 1e-4);
         }
+    }
+
+    #[test]
+    fn segments_of_less_than_a_micron_are_taken_out_and_ends_stay() {
+        let points = [(0.0, 0.0), (0.0, 0.0004), (5.0, 0.0), (5.0003, 0.0003), (5.0, 5.0), (5.0, 5.0002)];
+        let path = Path::open(points.map(|(x, y)| P2::new(x, y)));
+        let sharp = sharpen(path.clone());
+        assert_eq!((sharp.start(), sharp.end()), (path.start(), path.end()));
+        assert_eq!(sharp.vertices.len(), 4);
+        assert_eq!(sharpen(Path { closed: true, ..path }).vertices.len(), 3);
     }
 
     #[test]

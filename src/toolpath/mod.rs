@@ -1,27 +1,44 @@
-//! From placed drawings to what the tool follows: kerf, order, passes, limits.
+//! From placed drawings to what the tool follows: kerf, curves, bridges, order, passes, leads, blade, travel, limits.
 //!
-//! [`plan`] takes drawings that already lie in the sheet frame (origin bottom left, x right, y up, mm). It moves every path to the waste side
-//! by half the kerf (`kerf`), makes the whole sheet's engraving first, then all inner cuts, then the outlines from the far side toward
-//! the park point (`order`), and refuses whatever leaves the sheet or the machine's work area (`limits`).
+//! [`plan`] takes drawings that lie in the sheet frame (origin bottom left, x right, y up, mm) and gives runs in the work frame of the machine:
+//!
+//! ```text
+//! drawings --turned and shifted (settings)--> work frame
+//!   --half a kerf to the waste (kerf)--> --lines and arcs (smooth)--> --shared edges (common), bridges--> cuts
+//!   --tour: engrave, inner, outlines (order, tour)--> --stretches, dashes, passes, leads (runs, lead)--> runs
+//!   --crosses, cross-cut--> --blade ahead of its tip (knife)--> --round what stands on the bed (travel)--> --inside everything (limits)--> Toolpath
+//! ```
 
+mod bridges;
+mod common;
+mod crosses;
 mod curve;
+mod cuts;
 mod error;
 mod kerf;
+mod knife;
+mod lead;
 mod limits;
 mod mitre;
 mod order;
+mod runs;
 mod settings;
+mod smooth;
+mod tour;
+mod travel;
 
 pub use error::Error;
-pub use settings::{Air, Process, Settings};
+pub use settings::{Air, Anchor, Bridges, Dashes, Frame, Pass, Process, Settings, Share, Strike, Tool, Trial, Zero};
 
 use crate::drawing::{Drawing, DrawnPath, KerfSide, Operation, Role};
-use crate::geom::{P2, Path, Rect};
+use crate::geom::{Motion, P2, Path, Rect};
+use crate::progress::Warning;
+use lead::Scrap;
 
 /// One run of the tool along a curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contour {
-    /// What the middle of the tool follows, kerf included, mm in the sheet frame, from where the tool enters.
+    /// What the middle of the tool (of a knife, the axis it swivels about) follows, kerf included, mm in the work frame, from where the tool enters.
     pub path: Path,
     /// When it is made.
     pub operation: Operation,
@@ -35,27 +52,43 @@ pub struct Contour {
     pub feed_mm_per_min: f64,
     /// Power, 0..1.
     pub power: f64,
+    /// True where power that follows speed would leave the ends uncut.
+    pub constant_power: bool,
+    /// How far below the first pass the tool is set, mm.
+    pub depth_mm: f64,
     /// Air assist.
     pub air: Air,
+    /// Corners of the way to its start, round what stands on the bed; mostly none.
+    pub way: Vec<P2>,
 }
 
 /// Everything the tool does on one sheet, in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Toolpath {
-    /// Extent of the sheet along x, mm.
+    /// Extent of the sheet along x of the sheet frame, mm.
     pub width_mm: f64,
-    /// Extent of the sheet along y, mm.
+    /// Extent of the sheet along y of the sheet frame, mm.
     pub height_mm: f64,
-    /// Where the tool starts and ends, mm in the sheet frame.
+    /// From the sheet frame to the work frame.
+    pub motion: Motion,
+    /// Where the tool starts and ends, mm in the work frame.
     pub park: P2,
-    /// Runs in order; a contour made in several passes is there several times.
+    /// Runs in order; a contour made in several passes, or with bridges, is there several times.
     pub contours: Vec<Contour>,
+    /// Corners of the way home, round what stands on the bed; mostly none.
+    pub home: Vec<P2>,
+    /// Middles of the alignment crosses, mm in the work frame; none or two.
+    pub crosses: Vec<P2>,
     /// Length of all moves between contours, from the park point and back to it, mm.
     pub travel_mm: f64,
     /// The same for the order of the drawings inside each operation, every path as drawn, mm.
     pub travel_unordered_mm: f64,
     /// Greatest difference found between a compensated path's distance to its nominal curve and half the kerf, mm.
     pub max_kerf_deviation_mm: f64,
+    /// Greatest distance of the lines and arcs made from the compensated path they stand for, mm.
+    pub max_curve_deviation_mm: f64,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
 }
 
 impl Toolpath {
@@ -97,175 +130,84 @@ pub fn compensated(drawing: &Drawing, kerf_mm: f64) -> Result<Drawing, Error> {
 /// Plans one sheet of `width_mm` x `height_mm` from drawings placed on it.
 ///
 /// # Errors
-/// Settings out of range; a path that is no curve; a kerf that a path cannot be compensated for; a run outside the sheet or the work area.
-/// Errors about a path name its piece and role.
+/// Settings out of range; a path that is no curve; a kerf that a path cannot be compensated for; a run outside the sheet or the work area, or
+/// where something stands on the bed. Errors about a path name its piece and role.
 pub fn plan(drawings: &[Drawing], width_mm: f64, height_mm: f64, settings: &Settings) -> Result<Toolpath, Error> {
     settings.check()?;
     let sheet = Rect::from_size(width_mm, height_mm);
-    let mut contours = Vec::new();
-    let mut max_kerf_deviation_mm = 0.0_f64;
-    for drawing in drawings {
-        for drawn in &drawing.paths {
-            let compensated = kerf::compensate(drawn, &drawing.name, settings.kerf_mm)?;
-            max_kerf_deviation_mm = max_kerf_deviation_mm.max(compensated.deviation_mm);
-            limits::check(&compensated.path, &drawing.name, drawn.role, &sheet, &settings.work_area)?;
-            let operation = drawn.role.operation();
-            let process = settings
-                .process(operation)
-                .ok_or_else(|| Error::NoProcess { piece: drawing.name.clone(), role: drawn.role.class() })?;
-            contours.push(Contour {
-                path: compensated.path,
-                operation,
-                role: drawn.role,
-                piece: drawing.name.clone(),
-                joint: drawn.joint.clone(),
-                feed_mm_per_min: process.feed_mm_per_min,
-                power: process.power,
-                air: process.air,
-            });
-        }
-    }
+    let job = drawings.iter().fold(Rect::EMPTY, |rect, d| rect.union(d.bounds())).grown(0.5 * settings.kerf_mm);
+    let motion = settings.frame.motion(&sheet, if job.is_empty() { &sheet } else { &job });
+    let placed: Vec<Drawing> = drawings.iter().map(|drawing| drawing.moved(&motion)).collect();
+    let corners = |rect: &Rect| [rect.min, rect.max];
+    let feed_of = |rect: &Rect| corners(rect).iter().map(|p| (motion.inverse() * p).x).fold(0.0, f64::max);
+    let made = cuts::cuts(&placed, settings, &feed_of)?;
+    let mut warnings = made.warnings;
 
-    let passes = |contour: &Contour| settings.process(contour.operation).map_or(1, |process| process.passes);
-    let as_drawn = order::by_operation(contours);
-    let travel_unordered_mm = order::travel_mm(&as_drawn, &passes, settings.park);
-    let ordered = order::arrange(as_drawn, &passes, settings.park);
-    let travel_mm = order::travel_mm(&ordered, &passes, settings.park);
-    let contours = order::repeat(ordered, &passes);
-    let park = settings.park;
-    Ok(Toolpath { width_mm, height_mm, park, contours, travel_mm, travel_unordered_mm, max_kerf_deviation_mm })
+    let scrap = Scrap::of(&placed, settings);
+    let on_machine = Rect::EMPTY.with(motion * sheet.min).with(motion * sheet.max);
+    // A roll is not fed far forward and back again for a mark.
+    let begun = P2::new(settings.window_mm.unwrap_or(width_mm).min(width_mm), height_mm);
+    let begun = Rect::EMPTY.with(motion * sheet.min).with(motion * begun);
+    let marked = settings.crosses && matches!(settings.frame.zero, Zero::Sheet(_)) && !made.cuts.is_empty();
+    let field = Rect { min: begun.min.sup(&settings.work_area.min), max: begun.max.inf(&settings.work_area.max) };
+    let crosses = if marked { crosses::places(&field, scrap.pieces(), &settings.keep_outs) } else { None };
+    if marked && crosses.is_none() {
+        let message = "no room on the scrap for two alignment crosses: a stopped job cannot be found again by them; use a wider margin";
+        warnings.push(Warning::new("no-crosses", message));
+    }
+    let marks: Vec<Contour> = crosses.iter().flat_map(|places| crosses::strokes(places, settings)).collect();
+    let from = marks.last().and_then(|mark| mark.path.end()).unwrap_or(settings.park);
+    let whole = |runs: Vec<Contour>| {
+        let last = settings.cross_cut.then(|| cross_cut(&job, &sheet, &motion, settings));
+        let mut runs: Vec<Contour> = marks.iter().cloned().chain(runs).chain(last).collect();
+        if settings.blade_mm() > 0.0 {
+            knife::drag(&mut runs, settings.blade_mm());
+        }
+        runs
+    };
+    let as_drawn = whole(order::as_drawn(&made.cuts, settings, &scrap));
+    let mut contours = whole(order::arranged(&made.cuts, from, settings, &scrap));
+    limits::check(&contours, &on_machine, settings)?;
+    let home = travel::route(&mut contours, &settings.keep_outs, &settings.work_area, settings.park)?;
+    Ok(Toolpath {
+        width_mm,
+        height_mm,
+        motion,
+        park: settings.park,
+        travel_mm: travel::length_mm(&contours, &home, settings.park),
+        travel_unordered_mm: travel::length_mm(&as_drawn, &[], settings.park),
+        contours,
+        home,
+        crosses: crosses.map_or_else(Vec::new, |places| places.to_vec()),
+        max_kerf_deviation_mm: made.max_kerf_deviation_mm,
+        max_curve_deviation_mm: made.max_curve_deviation_mm,
+        warnings,
+    })
+}
+
+/// Room between the last piece and the cut across, mm.
+const CROSS_CUT_CLEAR_MM: f64 = 5.0;
+
+/// Cuts the sheet off behind what was made, from rim to rim of what the tool reaches: a blade's axis needs its trail of that.
+fn cross_cut(job: &Rect, sheet: &Rect, motion: &Motion, settings: &Settings) -> Contour {
+    let x = (job.max.x + CROSS_CUT_CLEAR_MM).min(sheet.max.x);
+    let process = &settings.cut_outline;
+    let (from, to) = (sheet.min.y + settings.blade_mm(), sheet.max.y - settings.blade_mm());
+    Contour {
+        path: Path::open([P2::new(x, from), P2::new(x, to)]).moved(motion),
+        operation: Operation::CutOutline,
+        role: Role::Outline,
+        piece: "cross-cut".into(),
+        joint: None,
+        feed_mm_per_min: process.feed_mm_per_min,
+        power: process.power(),
+        constant_power: settings.constant_power(process),
+        depth_mm: 0.0,
+        air: process.air,
+        way: Vec::new(),
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    fn settings() -> Settings {
-        let process = |feed_mm_per_min, power| Process { feed_mm_per_min, power, air: Air::Off, passes: 1 };
-        Settings {
-            kerf_mm: 0.15,
-            engrave: Some(process(3000.0, 0.1)),
-            cut_inner: process(900.0, 0.8),
-            cut_outline: process(900.0, 0.8),
-            work_area: Rect::from_size(400.0, 400.0),
-            park: P2::origin(),
-        }
-    }
-
-    fn drawn(path: Path, role: Role, kerf: KerfSide) -> DrawnPath {
-        DrawnPath { path, role, kerf, joint: None }
-    }
-
-    fn piece(name: &str, x: f64, y: f64) -> Drawing {
-        let p = |dx: f64, dy: f64| P2::new(x + dx, y + dy);
-        let outline = Path::closed([p(0.0, 0.0), p(60.0, 0.0), p(60.0, 20.0), p(0.0, 20.0)]);
-        let slit = Path::open([p(30.0, 5.0), p(30.0, 15.0)]);
-        let mark = Path::open([p(10.0, 5.0), p(10.0, 15.0)]);
-        let paths = vec![
-            drawn(outline, Role::Outline, KerfSide::Outside),
-            drawn(slit, Role::Slit, KerfSide::On),
-            drawn(mark, Role::Mark, KerfSide::On),
-            drawn(Path::circle(p(45.0, 10.0), 3.0), Role::Hole, KerfSide::Inside),
-        ];
-        Drawing { name: name.into(), paths }
-    }
-
-    fn sheet() -> Vec<Drawing> {
-        vec![piece("A1", 10.0, 10.0), piece("A2", 200.0, 300.0), piece("A3", 10.0, 100.0), piece("A4", 100.0, 10.0)]
-    }
-
-    #[test]
-    fn the_whole_sheet_is_engraved_then_cut_inside_then_freed_from_the_far_side() {
-        let toolpath = plan(&sheet(), 400.0, 400.0, &settings()).unwrap();
-        let operations: Vec<Operation> = toolpath.contours.iter().map(|c| c.operation).collect();
-        assert!(operations.is_sorted());
-        assert_eq!(operations.len(), 16);
-        let outlines = toolpath.contours.iter().filter(|c| c.role == Role::Outline);
-        assert_eq!(outlines.map(|c| c.piece.as_str()).collect::<Vec<_>>(), ["A2", "A4", "A3", "A1"]);
-    }
-
-    #[test]
-    fn lengths_are_those_of_the_compensated_paths() {
-        let toolpath = plan(&[piece("A1", 10.0, 10.0)], 400.0, 400.0, &settings()).unwrap();
-        assert!((toolpath.engrave_mm() - 10.0).abs() < 1e-9);
-        let rounded_outline = 160.0 + std::f64::consts::TAU * 0.075;
-        let hole = std::f64::consts::TAU * (3.0 - 0.075);
-        assert!((toolpath.cut_mm() - (rounded_outline + hole + 10.0)).abs() < 1e-6);
-        assert!((toolpath.bounds().min - P2::new(9.925, 9.925)).norm() < 1e-6);
-        assert!(toolpath.max_kerf_deviation_mm < 1e-6);
-    }
-
-    #[test]
-    fn a_second_pass_runs_an_open_cut_back_without_travel() {
-        let mut settings = settings();
-        settings.cut_inner.passes = 2;
-        let once = plan(&sheet(), 400.0, 400.0, &self::settings()).unwrap();
-        let twice = plan(&sheet(), 400.0, 400.0, &settings).unwrap();
-        let inner = |t: &Toolpath| t.length_mm(Operation::CutInner);
-        assert!((inner(&twice) - 2.0 * inner(&once)).abs() < 1e-9);
-        let slits: Vec<&Contour> = twice.contours.iter().filter(|c| c.role == Role::Slit).collect();
-        assert_eq!(slits.len(), 8);
-        for passes in slits.chunks(2) {
-            assert_eq!(passes[0].piece, passes[1].piece);
-            assert_eq!(passes[0].path.end(), passes[1].path.start());
-        }
-    }
-
-    #[test]
-    fn whatever_leaves_the_sheet_or_the_reach_is_refused_with_the_distance() {
-        let far = plan(&[piece("A9", 345.0, 10.0)], 500.0, 400.0, &settings()).unwrap_err();
-        assert!(matches!(&far, Error::Outside { limit: "work area", by_mm, .. } if (by_mm - 5.075).abs() < 1e-6));
-        assert!(far.to_string().contains("A9"), "{far}");
-        let off = plan(&[piece("A9", 10.0, 0.0)], 400.0, 400.0, &settings()).unwrap_err();
-        assert!(matches!(&off, Error::Outside { limit: "sheet", by_mm, .. } if (by_mm - 0.075).abs() < 1e-6));
-    }
-
-    #[test]
-    fn a_mark_is_never_cut_for_want_of_an_engraving() {
-        let settings = Settings { engrave: None, ..settings() };
-        let refused = plan(&sheet(), 400.0, 400.0, &settings).unwrap_err();
-        assert!(matches!(refused, Error::NoProcess { role: "mark", .. }), "{refused}");
-    }
-
-    #[test]
-    fn settings_out_of_range_are_refused() {
-        let with = |change: &dyn Fn(&mut Settings)| {
-            let mut settings = settings();
-            change(&mut settings);
-            plan(&[], 10.0, 10.0, &settings)
-        };
-        assert!(with(&|_| ()).is_ok());
-        assert!(matches!(with(&|s| s.kerf_mm = -0.1), Err(Error::Setting { .. })));
-        assert!(matches!(with(&|s| s.cut_inner.power = 1.1), Err(Error::Setting { .. })));
-        assert!(matches!(with(&|s| s.cut_inner.feed_mm_per_min = 0.0), Err(Error::Setting { .. })));
-        assert!(matches!(with(&|s| s.cut_outline.passes = 0), Err(Error::Setting { .. })));
-        assert!(matches!(with(&|s| s.park.x = f64::NAN), Err(Error::Setting { .. })));
-    }
-
-    proptest! {
-        #[test]
-        fn ordering_keeps_every_contour_and_walks_what_it_reports(
-            corners in prop::collection::vec((1.0..330.0f64, 1.0..370.0f64), 1..12),
-        ) {
-            let drawings: Vec<Drawing> =
-                corners.iter().enumerate().map(|(i, (x, y))| piece(&format!("P{i}"), *x, *y)).collect();
-            let toolpath = plan(&drawings, 400.0, 400.0, &settings()).unwrap();
-            prop_assert_eq!(toolpath.contours.len(), 4 * drawings.len());
-            for drawing in &drawings {
-                for role in [Role::Outline, Role::Slit, Role::Mark, Role::Hole] {
-                    let same = |c: &&Contour| c.piece == drawing.name && c.role == role;
-                    prop_assert_eq!(toolpath.contours.iter().filter(same).count(), 1);
-                }
-            }
-            let mut at = toolpath.park;
-            let mut travel = 0.0;
-            for contour in &toolpath.contours {
-                travel += (contour.path.start().unwrap() - at).norm();
-                at = contour.path.end().unwrap();
-            }
-            travel += (toolpath.park - at).norm();
-            prop_assert!((travel - toolpath.travel_mm).abs() < 1e-6);
-        }
-    }
-}
+#[path = "plan_tests.rs"]
+mod tests;

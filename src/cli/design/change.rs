@@ -1,4 +1,4 @@
-//! `furbelow design densify | undensify | layers | plane | move-point | length`: one edit more.
+//! `furbelow design densify | undensify | layers | plane | split | move-point | length`: one edit more.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use super::super::screen::Screen;
 use super::{is_stdin, picture, read, write};
 use crate::config::Library;
 use crate::design::MAX_LEVELS;
-use crate::job::{self, Changed, PartSurvey, Places, Request};
+use crate::job::{self, Changed, Cut, PartSurvey, Places, Request};
 use crate::progress::Warning;
 
 /// What every change is given.
@@ -117,6 +117,37 @@ struct PlanePlace {
     offset: Option<f64>,
 }
 
+/// Arguments of `design split`.
+#[derive(Debug, clap::Args)]
+pub struct Split {
+    #[command(flatten)]
+    target: Target,
+    #[command(flatten)]
+    place: SplitPlace,
+    /// Which way the new part lies, with --origin
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true, requires = "origin")]
+    normal: Option<Vec<f64>>,
+    /// Name of the new part [default: the next free letter]
+    #[arg(long, value_name = "NAME")]
+    name: Option<String>,
+    #[command(flatten)]
+    telling: Telling,
+}
+
+#[derive(Debug, clap::Args)]
+#[group(required = true, multiple = false)]
+struct SplitPlace {
+    /// Along an upright line of the picture, mm from its origin; what is right of it is the new part
+    #[arg(long, value_name = "U", allow_negative_numbers = true)]
+    right_of: Option<f64>,
+    /// Along a level line of the picture, mm; what is above it is the new part
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
+    above: Option<f64>,
+    /// Along a plane through a point in the shape's own axes, mm; what lies ahead of it, where --normal points, is the new part
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true, requires = "normal")]
+    origin: Option<Vec<f64>>,
+}
+
 /// Arguments of `design move-point`.
 #[derive(Debug, clap::Args)]
 pub struct MovePoint {
@@ -184,6 +215,19 @@ impl Plane {
     }
 }
 
+impl Split {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let three = |values: &Option<Vec<f64>>| values.as_deref().and_then(|v| v.try_into().ok());
+        let cut = match (self.place.right_of, self.place.above, three(&self.place.origin), three(&self.normal)) {
+            (Some(u), ..) => Cut::U(u),
+            (_, Some(v), ..) => Cut::V(v),
+            (_, _, Some(origin), Some(normal)) => Cut::Plane(origin, normal),
+            _ => return Err(Failure::config("split: say where, with --right-of, --above, or --origin and --normal")),
+        };
+        apply(&self.target, &Request::Split(cut, self.name.clone()), &self.telling)
+    }
+}
+
 impl MovePoint {
     pub(super) fn run(&self) -> Result<(), Failure> {
         apply(&self.target, &Request::MovePoint(self.joint.clone(), [self.u, self.v]), &self.telling)
@@ -228,13 +272,16 @@ fn apply(target: &Target, request: &Request, telling: &Telling) -> Result<(), Fa
     warnings(&changed.warnings)
 }
 
-/// Before and after.
+/// Before and after, and the new part of a split.
 fn comparison(changed: &Changed) -> Vec<Vec<String>> {
     let row = |name: &str, value: &dyn Fn(&PartSurvey) -> String| {
-        vec![name.to_owned(), value(&changed.before), value(&changed.after)]
+        let added = changed.added.iter().map(value);
+        [name.to_owned(), value(&changed.before), value(&changed.after)].into_iter().chain(added).collect()
     };
+    let mut head = vec![format!("PART {}", changed.after.name), "BEFORE".to_owned(), "NOW".to_owned()];
+    head.extend(changed.added.iter().map(|p| format!("PART {}", p.name)));
     vec![
-        vec![format!("PART {}", changed.after.name), "BEFORE".to_owned(), "NOW".to_owned()],
+        head,
         row("layers", &|p| p.layers.map(|n| n.to_string()).unwrap_or_default()),
         row("sections", &|p| p.sections.len().to_string()),
         row("joints", &|p| p.joints_mm.len().to_string()),

@@ -33,6 +33,8 @@ pub enum Command {
     Layers(change::Layers),
     /// Cut the shape elsewhere
     Plane(change::Plane),
+    /// Cut a part in two
+    Split(change::Split),
     /// Move a joint by hand
     MovePoint(change::MovePoint),
     /// Give a section a length by hand
@@ -49,6 +51,7 @@ pub(super) fn run(command: Command) -> Result<(), Failure> {
         Command::Undensify(args) => args.run(),
         Command::Layers(args) => args.run(),
         Command::Plane(args) => args.run(),
+        Command::Split(args) => args.run(),
         Command::MovePoint(args) => args.run(),
         Command::Length(args) => args.run(),
         Command::Undo(args) => undo::run(&args),

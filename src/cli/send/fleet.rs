@@ -145,7 +145,10 @@ impl Fleet<'_> {
                         Outcome::Done | Outcome::Stopped => Ok(()),
                     };
                 }
-                Ok(None) => return Ok(self.put_back(k)),
+                Ok(None) => {
+                    self.put_back(k);
+                    return Ok(());
+                }
                 Err(failure) => {
                     self.put_back(k);
                     return Err(failure);

@@ -79,7 +79,7 @@ class Scene {
   // The box worth seeing: the sheet and what is done to it; the bed where there is neither.
   extent() {
     const raw = this.sheet.raw;
-    const box = raw.stock ? [0, 0, raw.stock.width, raw.stock.height] : raw.bounds ? raw.bounds.slice() : this.job.reach.slice();
+    const box = raw.stock ? [raw.stock.x, raw.stock.y, raw.stock.x + raw.stock.width, raw.stock.y + raw.stock.height] : raw.bounds ? raw.bounds.slice() : this.job.reach.slice();
     if (raw.stock && raw.bounds) { widen(box, raw.bounds[0], raw.bounds[1]); widen(box, raw.bounds[2], raw.bounds[3]); }
     return box;
   }
@@ -270,7 +270,7 @@ function drawBed(scene, ctx) {
   const step = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].find((mm) => mm * scene.view.scale >= 56) || 2000;
   drawGrid(scene, ctx, [bx0, by0, bx1, by1], step, stock ? colors.grid : colors["paper-grid"]);
   if (stock) {
-    const paper = box(0, 0, stock.width, stock.height);
+    const paper = box(stock.x, stock.y, stock.x + stock.width, stock.y + stock.height);
     ctx.save();
     ctx.shadowColor = "rgba(0,0,0,.22)";
     ctx.shadowBlur = 14;
@@ -278,7 +278,7 @@ function drawBed(scene, ctx) {
     ctx.fillStyle = colors.paper;
     ctx.fillRect(...paper);
     ctx.restore();
-    drawGrid(scene, ctx, [0, 0, stock.width, stock.height], step, colors["paper-grid"]);
+    drawGrid(scene, ctx, [stock.x, stock.y, stock.x + stock.width, stock.y + stock.height], step, colors["paper-grid"]);
     ctx.lineWidth = 1;
     ctx.strokeStyle = colors["paper-edge"];
     ctx.strokeRect(...paper);
@@ -361,7 +361,7 @@ function drawKeepOut(ctx, [x, y, w, h], name, colors) {
 
 // A double arrow in the sheet's upper right corner, where nesting fills last.
 function drawGrain(scene, ctx, stock) {
-  const [cx, cy] = scene.toScreen(stock.width, stock.height), along = stock.grain === "x", long = 46;
+  const [cx, cy] = scene.toScreen(stock.x + stock.width, stock.y + stock.height), along = stock.grain === "x", long = 46;
   ctx.strokeStyle = ctx.fillStyle = scene.colors.grain;
   ctx.lineWidth = 1.5;
   ctx.save();
