@@ -62,12 +62,14 @@ impl Keyboard {
         }
     }
 
-    /// Waits for a line, with the machine at rest; what was typed before does not count. `None` when the user has stopped it instead.
+    /// Puts a question and waits for a line, with the machine at rest; what was typed before does not count, an answer at the very moment it can be read
+    /// does. `None` when the user has stopped it instead.
     ///
     /// # Errors
     /// Nobody is there, or the board fails meanwhile.
-    pub(super) fn answer(&self, talk: &mut Talk) -> Result<Option<String>, Failure> {
+    pub(super) fn answer(&self, talk: &mut Talk, put: impl FnOnce()) -> Result<Option<String>, Failure> {
         self.forget();
+        put();
         while idle(talk, KEY_WAIT)? {
             if let Some(line) = self.line()? {
                 return Ok(Some(line));

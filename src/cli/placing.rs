@@ -186,12 +186,12 @@ fn by_hand(
         if drive_to(talk, planned[k] + shift)? != Outcome::Done {
             return Ok(None);
         }
-        eprintln!("{}", talk.place());
-        eprintln!(
-            "move the head onto the {name} cross: how far, in mm (0.5 -1.2), then Enter; Enter alone when it is there"
+        let mut question = format!(
+            "{}\nmove the head onto the {name} cross: how far, in mm (0.5 -1.2), then Enter; Enter alone when it is there",
+            talk.place()
         );
         loop {
-            let Some(line) = keyboard.answer(talk)? else { return Ok(None) };
+            let Some(line) = keyboard.answer(talk, || eprintln!("{question}"))? else { return Ok(None) };
             let way: Vec<f64> = line.split([' ', ',']).filter_map(|number| number.parse().ok()).collect();
             match way[..] {
                 _ if line.trim().is_empty() => break,
@@ -199,9 +199,9 @@ fn by_hand(
                     let [dx_mm, dy_mm] = jog::clamped(talk, machine, [dx, dy]);
                     talk.insist(Command::Jog { dx_mm, dy_mm, feed_mm_per_min: NUDGE_MM_PER_MIN })?;
                     talk.wait_for_rest()?;
-                    eprintln!("{}", talk.place());
+                    question = talk.place();
                 }
-                _ => eprintln!("two numbers, along X and along Y: 0.5 -1.2"),
+                _ => "two numbers, along X and along Y: 0.5 -1.2".clone_into(&mut question),
             }
         }
         found[k] = head(talk)?;

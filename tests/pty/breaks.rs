@@ -95,9 +95,11 @@ pub const CASES: &[Case] = &[
         board: plain,
         play: |stage| {
             stage.ready();
+            let strokes: String = (1..=60).map(|k| format!("G1X{}F1200\n", 2 + k % 2)).collect();
+            stage.send(&format!("M4S500\nG0X2\n{strokes}M5S0\n"), None);
+            stage.lit();
             // The answers and reports of a moment.
-            stage.strike(Fault::DropOut(40));
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.strike(Fault::DropOut(120));
             let trouble = stage.trouble();
             assert!(matches!(trouble, Trouble::LostAnswer { .. } | Trouble::Silent(_)), "{trouble:?}");
         },

@@ -58,6 +58,9 @@ impl Sending<'_> {
                 time_s: forecast.total_s(),
                 job: keeping.number(),
             };
+            if let Some(keyboard) = &self.keyboard {
+                keyboard.forget();
+            }
             self.teller.begins(about)?;
             self.heed(&mut keeping)?;
             if k == 0 && self.keyboard.is_some() {
@@ -85,9 +88,6 @@ impl Sending<'_> {
     fn follow(&mut self, mut forecast: Forecast, keeping: &mut Keeping) -> Result<Ending, Failure> {
         let mut feed_percent = 100;
         let mut runs = false;
-        if let Some(keyboard) = &self.keyboard {
-            keyboard.forget();
-        }
         loop {
             self.obey_keyboard(&mut feed_percent);
             match self.talk.next(EVENT_WAIT) {
@@ -146,9 +146,8 @@ impl Sending<'_> {
     /// # Errors
     /// Nobody is there, or the board fails meanwhile.
     pub(super) fn ask(&mut self, question: &str) -> Result<Option<String>, Failure> {
-        self.teller.say(question);
         let nobody = || Failure::config("nobody is there to answer; give --yes when everything is prepared");
-        self.keyboard.as_ref().ok_or_else(nobody)?.answer(&mut self.talk)
+        self.keyboard.as_ref().ok_or_else(nobody)?.answer(&mut self.talk, || self.teller.say(question))
     }
 
     /// Asks for a yes; nobody there, or `--yes`, which is for the checklist, is a no.

@@ -15,7 +15,8 @@ use crate::stream::trouble::Trouble;
 /// Goes into check mode, and out of it.
 const CHECK_MODE: &str = "$C";
 
-/// Reports of another state after `$C` was answered that are borne: one may have been under way.
+/// Reports of another state after `$C` was answered that are borne: one may have been under way. As many in a row must say that the board checks: of one
+/// that was in check mode before, the first may tell of then.
 const STRAY_REPORTS: u32 = 2;
 
 /// How long a board may take to come back from check mode: it starts anew, without a boot loader.
@@ -27,6 +28,7 @@ pub(super) struct Checking {
     stage: Stage,
     refused: usize,
     stray_reports: u32,
+    check_reports: u32,
 }
 
 #[derive(Debug, PartialEq)]
@@ -52,7 +54,11 @@ impl Session {
         if self.state() != Some(State::Idle) {
             return self.tell(Event::Denied("the machine is not idle: home, unlock, resume or reset it first"));
         }
-        self.begin(lines, None, Some(Checking { stage: Stage::Entering, refused: 0, stray_reports: 0 }));
+        self.begin(
+            lines,
+            None,
+            Some(Checking { stage: Stage::Entering, refused: 0, stray_reports: 0, check_reports: 0 }),
+        );
         self.alone.push_back(CHECK_MODE.to_owned());
     }
 
@@ -79,7 +85,10 @@ impl Session {
         let Some(check) = self.job.as_mut().and_then(|job| job.check.as_mut()) else { return };
         let strays = match check.stage {
             Stage::Entering if state == State::Check && answered => {
-                check.stage = Stage::Reading;
+                check.check_reports += 1;
+                if check.check_reports >= STRAY_REPORTS {
+                    check.stage = Stage::Reading;
+                }
                 false
             }
             Stage::Entering if !answered => false,

@@ -316,9 +316,11 @@ impl Session {
         self.idle_since = None;
         self.rest_reports = 0;
         let ledger = Ledger::default();
-        // A check moves nothing. A job begins where the next report says that the head is.
+        // A check moves nothing. A job begins where the next report says that the head is, which is asked for at once.
         let course = check.is_some().then(|| Course::new(None, None, &self.board));
-        self.polled = None;
+        if course.is_none() {
+            self.polled = None;
+        }
         self.job =
             Some(Job { lines, number: 0, next: None, read: false, closed: false, check, ends_at_mm, ledger, course });
     }
