@@ -72,6 +72,8 @@ impl Separator {
     /// Moves bodies until none overlap (true), or patience, effort or the caller's will end (false): then the scene has the least overlap found.
     pub(super) fn separate(&mut self, scene: &mut Scene, patience: Patience, watch: &mut Watch, until: u64) -> bool {
         self.begin(scene);
+        // A scene without overlaps is an effort as well: whoever goes on until the effort is spent gets there.
+        scene.looked += 1;
         let mut best = (self.overlap(), scene.poses.clone());
         let mut strikes = 0;
         while best.0 > 0.0 && strikes < patience.strikes {

@@ -49,7 +49,7 @@ impl Shorten<'_, '_> {
         self.watch.tell(tell(self.scene));
         let mut cut = BOLD_CUT;
         let mut failed: Vec<(f64, Vec<Pose>)> = Vec::new();
-        while best.width > self.least && !self.watch.is_over(self.scene, explore_until) {
+        while self.is_longer(&best) && !self.watch.is_over(self.scene, explore_until) {
             if failed.is_empty() {
                 self.cut(&best, cut);
             }
@@ -69,7 +69,7 @@ impl Shorten<'_, '_> {
             }
         }
         let from = self.scene.looked;
-        while best.width > self.least && !self.watch.is_over(self.scene, until) {
+        while self.is_longer(&best) && !self.watch.is_over(self.scene, until) {
             let share = (self.scene.looked - from) as f64 / (until - from) as f64;
             self.cut(&best, FIRST_CUT * (LAST_CUT / FIRST_CUT).powf(share));
             if self.separator.separate(self.scene, COMPRESS, self.watch, until) {
@@ -79,6 +79,11 @@ impl Shorten<'_, '_> {
         }
         self.scene.poses = best.poses;
         self.scene.bays[self.bay].width = best.width;
+    }
+
+    /// True while something is left to gain: places and lengths do not add up to the least length to the last digit.
+    fn is_longer(&self, best: &Best) -> bool {
+        best.width > self.least + super::NARROW_MM
     }
 
     /// Takes the layout as it lies for the best.
