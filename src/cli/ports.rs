@@ -69,7 +69,7 @@ fn serve(json: bool) -> Result<(), Failure> {
     if json {
         output::json(&json!({ "port": path }))?;
     } else {
-        output::line(&format!("an emulated GRBL 1.1 board is at {path}; Ctrl-C ends it"))?;
+        output::line(&format!("an emulated GRBL 1.1 board (Ctrl-C ends it): {path}"))?;
     }
     // The handler lives as long as the program: there is no other end.
     let _ = stopped.recv();

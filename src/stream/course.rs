@@ -5,9 +5,11 @@
 //! on counts: the lesser of two places, and a departure only when it is seen twice.
 
 use std::collections::VecDeque;
+use std::time::Duration;
 
 use super::board::Board;
 use super::ledger::Reached;
+use super::pace::Pace;
 use crate::gcode::{Action, Interpreter, Move, parse_line};
 use crate::geom::{P3, V3};
 
@@ -49,6 +51,9 @@ struct Spot {
     along_mm: f64,
 }
 
+/// Nothing is earlier.
+const START: Spot = Spot { nth: 0, along_mm: 0.0 };
+
 /// A move under way.
 #[derive(Debug, Clone, Copy)]
 struct Leg {
@@ -73,6 +78,7 @@ pub(super) struct Course {
     seen: Option<Spot>,
     sure: Option<Spot>,
     departed_reports: u32,
+    pace: Pace,
 }
 
 impl Course {
@@ -95,6 +101,7 @@ impl Course {
             seen: None,
             sure: None,
             departed_reports: 0,
+            pace: Pace::new(board),
         }
     }
 
@@ -144,9 +151,10 @@ impl Course {
             return Ok(());
         }
         let at = P3::from(machine_mm);
-        let Some(spot) = self.spot(at) else {
+        let Some(spot) = self.spot(at, self.seen.or(self.sure)) else {
             self.departed_reports += 1;
-            self.seen = None;
+            // Behind what was seen but once, it may be that report which was garbled.
+            self.seen = self.spot(at, self.sure);
             return if self.departed_reports < DEPARTED_REPORTS { Ok(()) } else { Err(self.departure(at)) };
         };
         self.departed_reports = 0;
@@ -160,6 +168,22 @@ impl Course {
         Ok(())
     }
 
+    /// The line on which the head nearly stands though it should go, as the last reports say; to be asked after each that was located.
+    pub(super) fn crawls(&mut self, runs: bool, now: Duration) -> Option<usize> {
+        let limit_mm = self.limit_mm();
+        let place = self.seen.filter(|_| runs).and_then(|seen| {
+            let leg = self.legs.get(usize::try_from(seen.nth.checked_sub(self.passed)?).ok()?)?;
+            // At the end of a move it may well stand: for a dwell, or for want of lines.
+            let inside = limit_mm < seen.along_mm && seen.along_mm < leg.way.length_mm() - limit_mm;
+            inside.then_some((seen, *leg))
+        });
+        let Some((seen, leg)) = place else {
+            self.pace.rests();
+            return None;
+        };
+        self.pace.crawls(seen.nth, &leg.way, seen.along_mm, now).then_some(leg.line)
+    }
+
     /// How far the reports say that the job has come at least.
     pub(super) fn reached(&self) -> Option<Reached> {
         let sure = self.sure.filter(|sure| sure.nth == self.passed)?;
@@ -167,10 +191,10 @@ impl Course {
         Some(Reached { line: leg.line, along_mm: leg.before_mm + sure.along_mm })
     }
 
-    /// The first place of the way that is where the head is, no earlier than where it was; `None` beside it.
-    fn spot(&self, at: P3) -> Option<Spot> {
+    /// The first place of the way that is where the head is, no earlier than where it was, as no machine goes back; `None` beside it.
+    fn spot(&self, at: P3, was: Option<Spot>) -> Option<Spot> {
         let limit_mm = self.limit_mm();
-        let earliest = self.earliest();
+        let earliest = was.unwrap_or(START);
         for (nth, leg) in (self.passed..).zip(&self.legs) {
             let behind = |along_mm: f64| Spot { nth, along_mm: along_mm + limit_mm } < earliest;
             if let Action::Arc { .. } = leg.way.action
@@ -190,14 +214,9 @@ impl Course {
         waits.then_some(Spot { nth: self.passed, along_mm: 0.0 })
     }
 
-    /// Where the head cannot be behind: no machine goes back on its way.
-    fn earliest(&self) -> Spot {
-        self.seen.or(self.sure).unwrap_or(Spot { nth: 0, along_mm: 0.0 })
-    }
-
     /// How far from what is left of the way.
     fn departure(&self, at: P3) -> Departure {
-        let earliest = self.earliest();
+        let earliest = self.seen.or(self.sure).unwrap_or(START);
         let off_mm = |nth: u64, way: &Move| {
             let (t, off_mm) = way.nearest(at);
             let (from, length_mm) = (earliest.along_mm, way.length_mm());
@@ -320,6 +339,7 @@ mod tests {
         let mut course = course(&["G1X10F1000", "X0", "G3X0Y0I5J0"]);
         assert_eq!(reached(&mut course, 5.0, 0.0), Some((1, 5.0)));
         assert_eq!(reached(&mut course, 4.0, 0.0), Some((2, 6.0)), "it has gone on and come back");
+        course.carried_out(2);
         assert_eq!(reached(&mut course, -0.01, 0.005), Some((3, 0.0)), "not the end of the circle");
         let (line, along_mm) = reached(&mut course, 5.0, -5.0).unwrap();
         assert!(line == 3 && (along_mm - 2.5 * std::f64::consts::PI).abs() < 0.01);

@@ -27,6 +27,7 @@ mod journal;
 mod ledger;
 mod link;
 mod overrides;
+mod pace;
 mod plan;
 mod port;
 mod preflight;

@@ -78,6 +78,14 @@ pub enum Trouble {
         /// The line it is nearest to, from 1.
         line: usize,
     },
+    /// The head nearly stands where it should cut.
+    #[error(
+        "the head crawls along line {line}, more than ten times as slowly as the job says: its feed was garbled on the way to the board, and what was cut since is burnt too deep; look at it before you go on"
+    )]
+    TooSlow {
+        /// From 1.
+        line: usize,
+    },
     /// A byte that must not be sent.
     #[error("line {line}: {found:?} would be taken for a real-time command or garbled; take it out")]
     Unsendable {
@@ -126,6 +134,7 @@ impl Trouble {
         matches!(
             self,
             Trouble::OffPlan { .. }
+                | Trouble::TooSlow { .. }
                 | Trouble::WrongPlace { .. }
                 | Trouble::Refused { .. }
                 | Trouble::ExtraAnswer

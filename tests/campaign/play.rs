@@ -488,6 +488,7 @@ fn name(trouble: &Trouble) -> String {
         Trouble::ExtraAnswer => "extra `ok` noticed",
         Trouble::WrongPlace { .. } => "wrong end noticed",
         Trouble::OffPlan { .. } => "off its way noticed",
+        Trouble::TooSlow { .. } => "too slow noticed",
         _ => "other trouble",
     };
     words.to_owned()

@@ -17,6 +17,9 @@ impl Session {
         }
         let located = course.located(status.machine_mm?);
         job.ledger.reached(course.reached());
-        located.err().map(|Departure { off_mm, line }| Trouble::OffPlan { off_mm, line })
+        if let Err(Departure { off_mm, line }) = located {
+            return Some(Trouble::OffPlan { off_mm, line });
+        }
+        course.crawls(status.state == State::Run, self.now).map(|line| Trouble::TooSlow { line })
     }
 }
