@@ -8,9 +8,9 @@ use std::rc::Rc;
 /// The smallest area an item may have, mm2: a thousandth of a square millimetre is below anything a kerf leaves over.
 const MIN_AREA_MM2: f64 = 1e-3;
 
-/// Shapes may become this much too large where that saves corners, as a share of a typical item's extent: 0.1 mm for ribbons of 600 x 80 mm. Half of
-/// that costs as much in speed as it gains in room.
-const ROUGH: f64 = 4e-4;
+/// Shapes may become this much too large where that saves corners, as a share of how thick items are (area over perimeter of their boxes): 0.1 mm for
+/// ribbons of 600 x 80 mm. Less costs as much in speed as it gains in room.
+const ROUGH: f64 = 3e-3;
 
 /// One way to lay an item: turned over or not, then turned.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,8 +47,9 @@ pub(super) fn prepared(items: &[Item], by: f64) -> Result<Vec<Prepared>, Error> 
 
 /// How much too large shapes may become, mm.
 pub(super) fn roughness(items: &[Item]) -> f64 {
-    let areas = items.iter().map(|item| Rect::around(&item.polygon)).map(|b| b.width() * b.height());
-    ROUGH * (areas.sum::<f64>() / items.len().max(1) as f64).sqrt()
+    let boxes = items.iter().map(|item| Rect::around(&item.polygon));
+    let thick = boxes.map(|b| 0.5 * b.width() * b.height() / (b.width() + b.height())).sum::<f64>();
+    ROUGH * thick / items.len().max(1) as f64
 }
 
 fn prepare(item: &Item, within: f64, by: f64) -> Prepared {
