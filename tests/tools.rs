@@ -272,12 +272,12 @@ fn pieces_are_laid_round_the_clamps_on_a_sheet_and_a_sheet_placed_by_hand_knows_
     let clamped = "schema = 1\nname = \"clamped\"\ninherits = \"diode-400\"\n[tool]\nclearance_mm = 2\nhead_radius_mm = 3\n\
                    [[keep_outs]]\nname = \"clamp\"\nx_mm = 60\ny_mm = 40\nwidth_mm = 50\nheight_mm = 30\nrise_mm = 10\n";
     fs::write(machines.join("clamped.toml"), clamped).unwrap();
-    let shape = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models/stool.obj");
-    let stool = |out: &str, extra: &[&str]| {
-        let args = ["make", shape.to_str().unwrap(), "-m", "clamped", "-p", "paper-160", "--out", out];
+    let programs = |model: &str, extra: &[&str]| {
+        let shape = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models").join(model);
+        let args = ["make", shape.to_str().unwrap(), "-m", "clamped", "-p", "paper-160", "--out", model];
         let output = furbelow(folder.path(), &[&args, extra].concat());
         assert!(output.status.success(), "{}", told(&output));
-        let sheets = fs::read_dir(folder.path().join(out).join("sheets")).unwrap().map(|entry| entry.unwrap().path());
+        let sheets = fs::read_dir(folder.path().join(model).join("sheets")).unwrap().map(|entry| entry.unwrap().path());
         let mut programs: Vec<_> = sheets.filter(|path| path.extension().is_some_and(|e| e == "nc")).collect();
         programs.sort();
         programs
@@ -290,13 +290,13 @@ fn pieces_are_laid_round_the_clamps_on_a_sheet_and_a_sheet_placed_by_hand_knows_
         };
         strokes(&fs::read_to_string(path).unwrap()).into_iter().any(along)
     };
-    for program in stool("round", &[]) {
+    for program in programs("stool.obj", &[]) {
         assert!(!enters(&program), "{}", program.display());
         let checked = furbelow(folder.path(), &["check", program.to_str().unwrap(), "--machine", "clamped"]);
         assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stdout));
     }
     // Nobody knows where the clamp lies from there.
-    let by_hand = stool("by-hand", &["--start-from", "origin"]);
+    let by_hand = programs("cuboid.obj", &["--start-from", "origin"]);
     assert!(by_hand.iter().any(|program| enters(program)));
 }
 
