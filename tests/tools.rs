@@ -244,11 +244,15 @@ fn a_zero_in_another_corner_moves_the_sheet_there_and_travel_goes_round_clamps()
     let corner = "schema = 1\nname = \"mine\"\ninherits = \"diode-400\"\norigin = \"back-right\"\n[tool]\nclearance_mm = 2\nhead_radius_mm = 1\n\
                   [[keep_outs]]\nname = \"magnet\"\nx_mm = -8\ny_mm = -100\nwidth_mm = 6\nheight_mm = 40\nrise_mm = 10\n\
                   [[keep_outs]]\nname = \"tape\"\nx_mm = -150\ny_mm = -150\nwidth_mm = 6\nheight_mm = 40\nrise_mm = 1\n";
-    // A magnet in the middle of the sheet: the job says so rather than run into it.
-    fs::write(machines.join("mine.toml"), corner.replace("x_mm = -8", "x_mm = -150")).unwrap();
+    // A sheet under one great magnet: nothing is made rather than run into it.
+    let great = corner.replace(
+        "x_mm = -8\ny_mm = -100\nwidth_mm = 6\nheight_mm = 40",
+        "x_mm = -290\ny_mm = -200\nwidth_mm = 280\nheight_mm = 190",
+    );
+    fs::write(machines.join("mine.toml"), great).unwrap();
     let output = make(folder.path(), "mine", "paper-160", &[]);
     let text = told(&output);
-    assert!(!output.status.success() && text.contains("magnet"), "{text}");
+    assert!(!output.status.success() && text.contains("move the clamps"), "{text}");
     fs::write(machines.join("mine.toml"), corner).unwrap();
     let output = make(folder.path(), "mine", "paper-160", &[]);
     assert!(output.status.success(), "{}", told(&output));
@@ -257,6 +261,43 @@ fn a_zero_in_another_corner_moves_the_sheet_there_and_travel_goes_round_clamps()
     assert!(all.iter().all(|p| p.0 < 0.0 && p.1 < 0.0), "the sheet lies left of and before its zero");
     let checked = furbelow(folder.path(), &["check", "out/sheets/sheet-01.nc", "--machine", "mine"]);
     assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stdout));
+}
+
+#[test]
+fn pieces_are_laid_round_the_clamps_on_a_sheet_and_a_sheet_placed_by_hand_knows_of_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let machines = folder.path().join("config/machines");
+    fs::create_dir_all(&machines).unwrap();
+    let clamp = Rect { min: P2::new(60.0, 40.0), max: P2::new(110.0, 70.0) };
+    let clamped = "schema = 1\nname = \"clamped\"\ninherits = \"diode-400\"\n[tool]\nclearance_mm = 2\nhead_radius_mm = 3\n\
+                   [[keep_outs]]\nname = \"clamp\"\nx_mm = 60\ny_mm = 40\nwidth_mm = 50\nheight_mm = 30\nrise_mm = 10\n";
+    fs::write(machines.join("clamped.toml"), clamped).unwrap();
+    let programs = |model: &str, extra: &[&str]| {
+        let shape = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models").join(model);
+        let args = ["make", shape.to_str().unwrap(), "-m", "clamped", "-p", "paper-160", "--out", model];
+        let output = furbelow(folder.path(), &[&args, extra].concat());
+        assert!(output.status.success(), "{}", told(&output));
+        let sheets = fs::read_dir(folder.path().join(model).join("sheets")).unwrap().map(|entry| entry.unwrap().path());
+        let mut programs: Vec<_> = sheets.filter(|path| path.extension().is_some_and(|e| e == "nc")).collect();
+        programs.sort();
+        programs
+    };
+    let enters = |path: &Path| {
+        let head = clamp.grown(3.0 - 1e-3);
+        let within = |(x, y): (f64, f64)| Rect::EMPTY.with(P2::new(x, y)).grown(1e-6).overlaps(&head);
+        let along = |[a, b]: [(f64, f64); 2]| {
+            (0..=100).map(move |k| f64::from(k) / 100.0).any(|s| within((a.0 + s * (b.0 - a.0), a.1 + s * (b.1 - a.1))))
+        };
+        strokes(&fs::read_to_string(path).unwrap()).into_iter().any(along)
+    };
+    for program in programs("stool.obj", &[]) {
+        assert!(!enters(&program), "{}", program.display());
+        let checked = furbelow(folder.path(), &["check", program.to_str().unwrap(), "--machine", "clamped"]);
+        assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stdout));
+    }
+    // Nobody knows where the clamp lies from there.
+    let by_hand = programs("cuboid.obj", &["--start-from", "origin"]);
+    assert!(by_hand.iter().any(|program| enters(program)));
 }
 
 #[test]

@@ -45,7 +45,7 @@ pub struct Args {
     #[arg(long)]
     mirror: bool,
     /// How many of everything
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     copies: u32,
     /// Distance between outlines [default: 2; an instance says its own]
     #[arg(long, value_name = "MM")]
@@ -57,7 +57,7 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 500_000)]
     effort: u64,
     /// Stop after so many seconds with the best so far
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     time_s: Option<f64>,
     /// Start of the random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -207,7 +207,10 @@ fn outlines(files: &[PathBuf]) -> Result<Job, Failure> {
     for file in files {
         let found = job::nestables(file)?;
         if found.is_empty() {
-            return Err(Failure::config(format!("{}: no closed outline in it", file.display())));
+            return Err(Failure::config(format!(
+                "{}: no closed outline in it; close the outlines (Z at the end of a path) or draw shapes",
+                file.display()
+            )));
         }
         shapes.extend(found);
     }

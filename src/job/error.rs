@@ -236,7 +236,7 @@ impl Error {
             Error::Config(e) => e.refuses_job(),
             Error::Design(_) | Error::Mesh(_) | Error::UnknownStock { .. } | Error::UnknownPiece { .. } => false,
             Error::Calibrate(e) => !e.is_answer(),
-            Error::Outline { .. } | Error::Drawing { .. } | Error::Machine { .. } => false,
+            Error::Outline { .. } | Error::Drawing { .. } | Error::Offcut { .. } | Error::Machine { .. } => false,
             Error::ForeignDesign { .. } | Error::Parse { .. } | Error::Plot { .. } | Error::File { .. } => false,
             _ => true,
         }

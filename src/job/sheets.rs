@@ -65,7 +65,9 @@ pub(super) fn sheets(
 ) -> Result<Sheets, Error> {
     let items = items(strips, setup);
     let sets = order.batch.copies.max(order.batch.names.len()).max(1);
-    let containers: Vec<_> = strips.stock.iter().map(|sheet| shared(stock::container(sheet, setup), sets)).collect();
+    let container =
+        |sheet| stock::beside_clamps(shared(stock::container(sheet, setup), sets), setup, &order.batch.start);
+    let containers: Vec<_> = strips.stock.iter().map(container).collect();
     let mut layouts = nest::nest(&items, &containers, &setup.nest(), observer)?;
     if !layouts.unplaced.is_empty() {
         return Err(nest::Error::Unplaced(std::mem::take(&mut layouts.unplaced)).into());

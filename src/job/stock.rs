@@ -1,9 +1,11 @@
 //! Which sheets are cut from: names and sizes become containers within the machine's reach.
 
 use super::Error;
+use super::StartFrom;
 use super::settings::Setup;
 use crate::config::{Grain, Profile, Roll, StockGrain};
 use crate::design::{Paper, StripAlong};
+use crate::geom::{P2, Rect};
 use crate::nest::Container;
 use crate::progress::Warning;
 
@@ -164,6 +166,27 @@ pub(super) fn container(sheet: &Sheet, setup: &Setup) -> Container {
     };
     let (width_mm, height_mm) = (sheet.width_mm.min(reach.width()), sheet.height_mm.min(reach.height()));
     Container::sheet(name, width_mm, height_mm, sheet.count)
+}
+
+/// The same container with what stands on the bed blocked, as far as the machine's file tells and the sheet's place is known: in the stop corner.
+pub(super) fn beside_clamps(mut container: Container, setup: &Setup, start: &StartFrom) -> Container {
+    let size = container.size_mm();
+    let sheet = Rect::from_size(size.x, size.y);
+    if let Container::Sheet { blocked, .. } = &mut container {
+        let tools = [Some(setup.toolpath(start)), setup.drawing(start)];
+        for tool in tools.into_iter().flatten() {
+            let back = tool.frame.motion(&sheet, &sheet).inverse();
+            for (_, rect) in &tool.keep_outs {
+                // The tool's way in lies outside of the outline.
+                let on_sheet = Rect::EMPTY.with(back * rect.min).with(back * rect.max).grown(tool.lead_mm);
+                let Rect { min, max } = Rect { min: on_sheet.min.sup(&sheet.min), max: on_sheet.max.inf(&sheet.max) };
+                if min.x < max.x && min.y < max.y {
+                    blocked.push(vec![min, P2::new(max.x, min.y), max, P2::new(min.x, max.y)]);
+                }
+            }
+        }
+    }
+    container
 }
 
 /// A piece that exactly fills a container does not go in: placing allows for rounding. Pieces are made this much shorter, mm.

@@ -16,6 +16,14 @@ pub enum Error {
     /// There is nothing to place on.
     #[error("there is no stock to nest on; give at least one sheet or roll")]
     NoContainer,
+    /// More than can be handled at once.
+    #[error("{pieces} pieces are asked for, and {most} can be nested at a time; nest them in several jobs")]
+    TooMany {
+        /// Pieces asked for.
+        pieces: u64,
+        /// Most that is possible.
+        most: u64,
+    },
     /// A sheet or roll without a proper size.
     #[error("stock {container:?} measures {width_mm} x {height_mm} mm; both sides must be finite and above 0 mm")]
     ContainerSize {
@@ -221,6 +229,15 @@ impl fmt::Display for Unplaced {
     }
 }
 
+/// Every reason once, with how often it holds.
 fn list(unplaced: &[Unplaced]) -> String {
-    unplaced.iter().map(Unplaced::to_string).collect::<Vec<_>>().join("; ")
+    let mut reasons: Vec<(String, usize)> = Vec::new();
+    for text in unplaced.iter().map(Unplaced::to_string) {
+        match reasons.iter_mut().find(|(known, _)| *known == text) {
+            Some((_, times)) => *times += 1,
+            None => reasons.push((text, 1)),
+        }
+    }
+    let told = |(text, times): (String, usize)| if times == 1 { text } else { format!("{times} times {text}") };
+    reasons.into_iter().map(told).collect::<Vec<_>>().join("; ")
 }

@@ -19,8 +19,17 @@ pub enum InstanceError {
     /// Neither a strip nor bins, or both.
     #[error("an instance needs either strip_height or bins")]
     Containers,
+    /// An item that nobody asks for.
+    #[error("item {id} is asked for 0 times; give a demand of 1 or more, or leave it out")]
+    Demand {
+        /// The item's id.
+        id: u64,
+    },
+    /// Nothing to place.
+    #[error("the instance has no items; give at least one")]
+    Empty,
     /// A step of angles that is none.
-    #[error("item {id}: a step of {step} degrees is none; give more than 0 and up to 360")]
+    #[error("item {id}: a step of {step} degrees is none to turn by; give 1 to 360")]
     Step {
         /// The item's id.
         id: u64,
@@ -157,6 +166,9 @@ impl Instance {
     pub fn parse(text: &str) -> Result<Instance, InstanceError> {
         let file: File = serde_json::from_str(text)?;
         let items = file.items.iter().map(item).collect::<Result<Vec<Item>, _>>()?;
+        if items.is_empty() {
+            return Err(InstanceError::Empty);
+        }
         let (containers, corners) = match (file.strip_height, file.bins) {
             (Some(width_mm), None) => {
                 let longest = |i: &Item| {
@@ -271,10 +283,13 @@ impl Instance {
 }
 
 fn item(given: &FileItem) -> Result<Item, InstanceError> {
+    if given.demand == 0 {
+        return Err(InstanceError::Demand { id: given.id });
+    }
     let mut angles_deg = match (&given.orientation, &given.allowed_orientations) {
         (Some(Orientation { rotation: Rotation::Discrete { angles }, .. }), _) => angles.clone(),
         (Some(Orientation { rotation: Rotation::Stepped { step }, .. }), _) => match *step {
-            step if step > 0.0 && step <= 360.0 => steps(step),
+            step if (1.0..=360.0).contains(&step) => steps(step),
             step => return Err(InstanceError::Step { id: given.id, step }),
         },
         (Some(Orientation { rotation: Rotation::Continuous {}, .. }), _) => steps(FREE_STEP_DEG),

@@ -8,9 +8,12 @@ use std::rc::Rc;
 /// The smallest area an item may have, mm2: a thousandth of a square millimetre is below anything a kerf leaves over.
 const MIN_AREA_MM2: f64 = 1e-3;
 
-/// Shapes may become this much too large where that saves corners, as a share of a typical item's extent: 0.1 mm for ribbons of 600 x 80 mm. Half of
-/// that costs as much in speed as it gains in room.
-const ROUGH: f64 = 4e-4;
+/// Farther out round-off comes near what validation forgives, mm.
+const FARTHEST_MM: f64 = 1e7;
+
+/// Shapes may become this much too large where that saves corners, as a share of how thick items are (area over perimeter of their boxes): 0.1 mm for
+/// ribbons of 600 x 80 mm. Less costs as much in speed as it gains in room.
+const ROUGH: f64 = 3e-3;
 
 /// One way to lay an item: turned over or not, then turned.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,8 +50,9 @@ pub(super) fn prepared(items: &[Item], by: f64) -> Result<Vec<Prepared>, Error> 
 
 /// How much too large shapes may become, mm.
 pub(super) fn roughness(items: &[Item]) -> f64 {
-    let areas = items.iter().map(|item| Rect::around(&item.polygon)).map(|b| b.width() * b.height());
-    ROUGH * (areas.sum::<f64>() / items.len().max(1) as f64).sqrt()
+    let boxes = items.iter().map(|item| Rect::around(&item.polygon));
+    let thick = boxes.map(|b| 0.5 * b.width() * b.height() / (b.width() + b.height())).sum::<f64>();
+    ROUGH * thick / items.len().max(1) as f64
 }
 
 fn prepare(item: &Item, within: f64, by: f64) -> Prepared {
@@ -94,6 +98,9 @@ pub(super) fn flaw(polygon: &[P2]) -> Option<&'static str> {
     }
     if !polygon.iter().all(|p| p.x.is_finite() && p.y.is_finite()) {
         return Some("its outline has a coordinate that is not a finite number");
+    }
+    if polygon.iter().any(|p| p.x.abs().max(p.y.abs()) > FARTHEST_MM) {
+        return Some("its outline reaches beyond 10 km; check the unit it is drawn in");
     }
     if signed_area(polygon).abs() < MIN_AREA_MM2 {
         return Some("its outline encloses no area (below 0.001 mm2)");
@@ -148,6 +155,7 @@ mod tests {
             (item(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)], &[0.0]), "no area"),
             (item(&[(0.0, 0.0), (f64::NAN, 0.0), (2.0, 1.0)], &[0.0]), "finite"),
             (item(&[(0.0, 0.0), (f64::INFINITY, 0.0), (2.0, 1.0)], &[0.0]), "finite"),
+            (item(&[(0.0, 0.0), (1e300, 0.0), (2.0, 1.0)], &[0.0]), "10 km"),
             (item(&[(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 1.0)], &[0.0]), "crosses itself"),
             (item(&square, &[]), "no angle"),
             (item(&square, &[f64::NAN]), "angles"),

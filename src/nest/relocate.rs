@@ -8,22 +8,22 @@ use super::random::Random;
 use super::scene::Scene;
 
 /// Lines a turn and bay: near the body, anywhere, and with one end where another body ends.
-const NEAR: usize = 4;
-const ANYWHERE: usize = 6;
-const BESIDE: usize = 6;
+const NEAR: usize = 3;
+const ANYWHERE: usize = 4;
+const BESIDE: usize = 4;
 /// Turns that are tried at a time: all of few, some of many.
 const TURNS: usize = 4;
 /// Bays that are tried at a time besides the body's own.
 const BAYS: usize = 8;
 /// Of all lines so many are refined, which must lie this share of the body's length apart.
-const KEPT: usize = 3;
+const KEPT: usize = 2;
 const APART: f64 = 0.02;
 /// "Near" spans this share of the body's length; slides begin with the second share and end with the third, of a typical extent.
 const NEARNESS: f64 = 0.25;
 const BOLDEST: f64 = 0.05;
 const FINEST: f64 = 2e-5;
 /// A slide that gained nothing is this much shorter next time.
-const SHORTER: f64 = 0.4;
+const SHORTER: f64 = 0.3;
 
 /// Looks for places.
 #[derive(Debug, Clone)]

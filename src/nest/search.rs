@@ -16,6 +16,8 @@ use crate::progress::Observer;
 const START_SHARE: f64 = 0.1;
 /// Share of the effort for getting by with less stock.
 const FEWER_SHARE: f64 = 0.6;
+/// More are refused: every two of them have a weight and a depth to remember, 150 MB by then.
+const MOST_PIECES: u64 = 3000;
 /// Should a layout fail validation, everything is made once more with so much more room around items, mm.
 const MORE_ROOM_MM: f64 = 1e-3;
 
@@ -40,6 +42,10 @@ pub fn nest(
     }
     if containers.is_empty() {
         return Err(Error::NoContainer);
+    }
+    let pieces: u64 = items.iter().map(|item| u64::from(item.copies)).sum();
+    if pieces > MOST_PIECES {
+        return Err(Error::TooMany { pieces, most: MOST_PIECES });
     }
     let mut outcome = made(items, containers, settings, observer, 0.0)?;
     if outcome.1.is_err() {
@@ -117,7 +123,7 @@ impl Job<'_> {
                 }
                 let mut scene = empty.clone();
                 let order = self.ordered(&scene, order);
-                start::place(&mut scene, &order, |scene, body| self.opened(scene, body, largest_stock));
+                start::place(&mut scene, &order, watch, |scene, body| self.opened(scene, body, largest_stock));
                 looked += scene.looked;
                 let score = self.score(&scene);
                 if best.as_ref().is_none_or(|(b, _)| score < *b) {

@@ -7,7 +7,7 @@ use super::watch::Watch;
 
 /// Share of the effort for exploration.
 const EXPLORE_SHARE: f64 = 0.8;
-const EXPLORE: Patience = Patience { rounds: 30, strikes: 2 };
+const EXPLORE: Patience = Patience { rounds: 15, strikes: 2 };
 const COMPRESS: Patience = Patience { rounds: 40, strikes: 2 };
 /// Exploration cuts this share of the length off, less after every failure, and new starts are made at the last.
 const BOLD_CUT: f64 = 0.02;

@@ -223,6 +223,26 @@ fn hundreds_of_parts_find_their_places() {
     assert_eq!(layouts.layouts.iter().map(|l| l.placements.len()).sum::<usize>(), 300);
 }
 
+#[test]
+fn a_search_that_is_stopped_among_very_many_pieces_still_places_them_all() {
+    struct Stop;
+    impl Observer for Stop {
+        fn step(&mut self, _: Progress) -> ControlFlow<()> {
+            ControlFlow::Break(())
+        }
+    }
+    let shape = |k: u32| wave(60.0 + f64::from(k), 10.0, f64::from(k % 4), 1.0, (0.0, 0.0));
+    let items: Vec<Item> =
+        (0..15).map(|k| Item { copies: 40, ..Item::new(format!("A{k}"), shape(k), vec![0.0, 180.0]) }).collect();
+    for stock in [sheet("S", 600.0, 400.0, None), roll(400.0, 30_000.0)] {
+        let layouts = nest(&items, &[stock], &SETTINGS, &mut Stop).unwrap();
+        assert!(layouts.stopped_early && layouts.unplaced.is_empty());
+        assert_eq!(layouts.layouts.iter().map(|l| l.placements.len()).sum::<usize>(), 600);
+    }
+    let many = [Item { copies: u32::MAX, ..items[0].clone() }];
+    assert!(matches!(place(&many, &[roll(400.0, 900.0)]), Err(Error::TooMany { .. })));
+}
+
 prop_compose! {
     /// A wavy band somewhere in the plane.
     fn ribbon()(
