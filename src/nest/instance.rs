@@ -1,9 +1,12 @@
 //! Nesting instances and solutions as JSON: the format of jagua-rs 1.x, which reads and writes the strips and bins that research is measured on (ESICUP's
 //! sets among them), and its 0.x form with `allowed_orientations`. Lengths have no unit there and count as mm.
 
-use super::{Container, Item, Layout, Layouts};
+use super::format::{
+    File, FileBin, FileFixed, FileItem, FileLayout, FilePlacement, FileTransformation, Orientation, Rotation, Shape,
+    Solution,
+};
+use super::{Container, Fixed, Item, Layout, Layouts};
 use crate::geom::{P2, Rect, V2};
-use serde::{Deserialize, Serialize};
 
 /// "Any angle" is tried in steps of this, degrees.
 const FREE_STEP_DEG: f64 = 15.0;
@@ -53,119 +56,11 @@ pub struct Instance {
     corners: Vec<V2>,
 }
 
-#[derive(Debug, Serialize, Deserialize)]
-struct File {
-    #[serde(default)]
-    name: String,
-    #[serde(default)]
-    min_item_separation: f64,
-    items: Vec<FileItem>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    strip_height: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    bins: Option<Vec<FileBin>>,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-struct FileItem {
-    id: u64,
-    demand: u32,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    orientation: Option<Orientation>,
-    #[serde(default, skip_serializing)]
-    allowed_orientations: Option<Vec<f64>>,
-    shape: Shape,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-struct Orientation {
-    rotation: Rotation,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    reflection_axes: Vec<f64>,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(tag = "mode", rename_all = "snake_case")]
-enum Rotation {
-    Discrete { angles: Vec<f64> },
-    Stepped { step: f64 },
-    Continuous {},
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(tag = "type", content = "data", rename_all = "snake_case")]
-enum Shape {
-    Rectangle {
-        x_min: f64,
-        y_min: f64,
-        width: f64,
-        height: f64,
-    },
-    SimplePolygon(Vec<[f64; 2]>),
-    /// Holes in items are not used for placing; those in bins are blocked.
-    Polygon {
-        outer: Vec<[f64; 2]>,
-        #[serde(default)]
-        inner: Vec<Vec<[f64; 2]>>,
-    },
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-struct FileBin {
-    id: u64,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    stock: Option<u32>,
-    #[serde(default = "one")]
-    cost: f64,
-    shape: Shape,
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-/// Placements in jagua-rs's form: turned over (y becomes -y), turned, moved.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Solution {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    strip_width: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cost: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    layout: Option<FileLayout>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    layouts: Option<Vec<FileLayout>>,
-    density: f64,
-    run_time_sec: u64,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct FileLayout {
-    container_id: usize,
-    placed_items: Vec<FilePlacement>,
-    density: f64,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct FilePlacement {
-    item_id: u64,
-    transformation: FileTransformation,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct FileTransformation {
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    reflected: bool,
-    /// Degrees.
-    rotation: f64,
-    translation: [f64; 2],
-}
-
 impl Instance {
     /// Reads an instance of strip or bin packing.
     pub fn parse(text: &str) -> Result<Instance, InstanceError> {
         let file: File = serde_json::from_str(text)?;
-        let items = file.items.iter().map(item).collect::<Result<Vec<Item>, _>>()?;
+        let mut items = file.items.iter().map(item).collect::<Result<Vec<Item>, _>>()?;
         if items.is_empty() {
             return Err(InstanceError::Empty);
         }
@@ -182,6 +77,9 @@ impl Instance {
             (None, Some(bins)) => bins.iter().map(container).unzip(),
             _ => return Err(InstanceError::Containers),
         };
+        for fixed in items.iter_mut().filter_map(|item| item.fixed.as_mut()) {
+            fixed.shift -= corners.get(fixed.container).copied().unwrap_or_default();
+        }
         Ok(Instance { name: file.name, spacing_mm: file.min_item_separation, items, containers, corners })
     }
 
@@ -201,6 +99,12 @@ impl Instance {
                 reflection_axes: if item.mirror { vec![0.0] } else { Vec::new() },
             }),
             allowed_orientations: None,
+            priority: item.priority,
+            set: item.set,
+            fixed: item.fixed.map(|f| {
+                let at = f.shift + self.corners.get(f.container).copied().unwrap_or_default();
+                FileFixed { container_id: f.container, rotation: f.rotation_deg, translation: at.into() }
+            }),
             shape: Shape::SimplePolygon(item.polygon.iter().map(|p| [p.x, p.y]).collect()),
         });
         let strip_height = self.containers.iter().find_map(|c| match c {
@@ -303,7 +207,14 @@ fn item(given: &FileItem) -> Result<Item, InstanceError> {
     let over = |a: &f64| angles_deg.iter().all(|b| angles_deg.contains(&((b + 2.0 * a) % 360.0)));
     let mirror = axes.iter().any(over);
     let (polygon, _) = outline(&given.shape);
-    Ok(Item { copies: given.demand, mirror, ..Item::new(given.id.to_string(), polygon, angles_deg) })
+    let fixed = given.fixed.map(|f| Fixed {
+        container: f.container_id,
+        rotation_deg: f.rotation,
+        shift: V2::from(f.translation),
+    });
+    let (priority, set) = (given.priority, given.set);
+    let item = Item::new(given.id.to_string(), polygon, angles_deg);
+    Ok(Item { copies: given.demand, mirror, priority, set, fixed, ..item })
 }
 
 fn steps(step: f64) -> Vec<f64> {
@@ -389,15 +300,20 @@ mod tests {
         assert_eq!((bins.containers[0].size_mm(), bins.containers[0].count()), (V2::new(40.0, 20.0), Some(3)));
         let layout = Layout { container: 0, width_mm: 40.0, height_mm: 20.0, placements: Vec::new(), density: 0.0 };
         assert_eq!(bins.shift(&layout, V2::new(1.0, 1.0)), V2::new(101.0, -4.0));
+        let fixed = r#""fixed": {"container_id": 0, "rotation": 0, "translation": [101, -4]},"#;
+        let there = parse(fixed, &format!(r#""bins": [{{"id": 0, "shape": {shape}}}]"#)).unwrap();
+        assert_eq!(there.items[0].fixed.unwrap().shift, V2::new(1.0, 1.0));
     }
 
     #[test]
     fn what_is_written_is_read_back() {
         let polygon = vec![P2::new(0.0, 0.0), P2::new(30.0, 0.0), P2::new(30.0, 8.0)];
-        let item = Item { copies: 4, ..Item::new("0", polygon.clone(), vec![0.0, 180.0]) };
+        let some = Item { copies: 4, priority: -2, set: Some(7), ..Item::new("0", polygon.clone(), vec![0.0, 180.0]) };
+        let fixed = Some(Fixed { container: 0, rotation_deg: 90.0, shift: V2::new(40.0, 10.0) });
+        let items = [some, Item { fixed, ..Item::new("1", polygon.clone(), vec![90.0]) }];
         let mut stock = Container::sheet("bin 0", 200.0, 100.0, Some(2));
         let same = |stock: &Container| {
-            let written = Instance::new("n", std::slice::from_ref(&item), std::slice::from_ref(stock), 2.0);
+            let written = Instance::new("n", &items, std::slice::from_ref(stock), 2.0);
             Instance::parse(&written.to_json().unwrap()).unwrap() == written
         };
         assert!(same(&stock));

@@ -19,6 +19,7 @@ mod chain;
 mod empty;
 mod error;
 mod fewer;
+mod format;
 mod gather;
 mod instance;
 mod item;
@@ -42,7 +43,8 @@ mod watch;
 mod tests;
 
 pub use error::{Error, Reason, Unplaced};
-pub use instance::{Instance, InstanceError, Solution};
+pub use format::Solution;
+pub use instance::{Instance, InstanceError};
 pub use offcut::offcut;
 pub use search::nest;
 pub use validate::validate;

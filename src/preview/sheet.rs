@@ -102,27 +102,37 @@ const TEXT: f64 = 1.4;
 const NAME: f64 = 2.4;
 const LINE_FEED: f64 = 1.3;
 const SAMPLE: f64 = 4.0;
+/// Longer side of the small map of the bed, and its way from the sheet.
+const MAP: f64 = 12.0;
+const MAP_GAP: f64 = 2.0;
+const MAP_TEXT: f64 = 1.1;
+/// A bed so many times as large as what lies on it is shown on a small map: it would make all else small.
+const LARGE_BED: f64 = 1.6;
 /// Lines grow with the sheet only so far: on a long roll, cuts a few mm apart must not run together.
 const WIDEST_PEN_UNIT_MM: f64 = 8.0;
 
 /// Draws the sheet with its grain, the machine's reach and what stands on it, every move with its pen, where the run starts (green) and ends
-/// (red square), the pieces' names under it all, and a key with the length of each sort of move. The canvas is in the sheet frame and at true
-/// size.
+/// (red square), the pieces' names under it all, and a key with the length of each sort of move. A reach much larger than that is cut off, and a small
+/// map shows where on it the sheet lies. The canvas is in the sheet frame and at true size.
 pub fn sheet_canvas(view: &SheetView) -> Canvas {
     let sheet = view.sheet();
     let unit = 0.01 * sheet.width().max(sheet.height()).max(1e-3);
-    let (texts, samples) = legend(view, &sheet, unit);
-    let drawn = Rect::around(view.moves.iter().flat_map(|m| &m.points));
-    let mut area = sheet.union(view.reach.unwrap_or(sheet)).union(drawn);
+    let main = sheet.union(Rect::around(view.moves.iter().flat_map(|m| &m.points)));
+    let area = |r: &Rect| r.width() * r.height();
+    let map = view.reach.filter(|reach| area(reach) > LARGE_BED * area(&main));
+    let main = main.union(view.reach.filter(|_| map.is_none()).unwrap_or(main));
+    let (texts, samples) = legend(view, &main, &sheet, unit);
+    let mut shown = main;
     for text in &texts {
-        area = area.union(text.as_text().bounds());
+        shown = shown.union(text.as_text().bounds());
     }
-    let mut canvas = Canvas::new(area.grown(MARGIN * unit));
+    let map = map.map(|reach| Map::beside(&shown, &reach, main.max.y, unit));
+    let mut canvas = Canvas::new(map.as_ref().map_or(shown, |map| shown.union(map.frame)).grown(MARGIN * unit));
 
     if view.stock.is_some() {
         canvas.frame(&sheet, None, Some(Stroke::new(Colour::GREY, 0.2 * unit)));
     }
-    if let Some(reach) = &view.reach {
+    if let Some(reach) = view.reach.as_ref().filter(|_| map.is_none()) {
         canvas.frame(reach, None, Some(Stroke::new(Colour::PALE, 0.12 * unit).dashed(1.2 * unit, 0.8 * unit)));
     }
     for (name, rect) in view.keep_outs {
@@ -148,7 +158,46 @@ pub fn sheet_canvas(view: &SheetView) -> Canvas {
     for text in &texts {
         canvas.text(text.as_text());
     }
+    if let Some(map) = &map {
+        map.draw(&mut canvas, view, &sheet, unit);
+    }
     canvas
+}
+
+/// The whole bed, small.
+struct Map {
+    /// Where the bed lies in the picture.
+    frame: Rect,
+    reach: Rect,
+}
+
+impl Map {
+    /// To the right of what is drawn, its top at a height.
+    fn beside(area: &Rect, reach: &Rect, top_mm: f64, unit: f64) -> Map {
+        let scale = MAP * unit / reach.width().max(reach.height());
+        let corner = P2::new(area.max.x + MAP_GAP * unit, top_mm - scale * reach.height());
+        let frame = Rect { min: corner, max: corner + V2::new(reach.width(), reach.height()) * scale };
+        Map { frame, reach: *reach }
+    }
+
+    fn draw(&self, canvas: &mut Canvas, view: &SheetView, sheet: &Rect, unit: f64) {
+        let scale = self.frame.width() / self.reach.width();
+        let on_map = |p: P2| self.frame.min + (p - self.reach.min) * scale;
+        let thin = Stroke::new(Colour::GREY, 0.1 * unit);
+        canvas.frame(&self.frame, Some(Colour::WHITE), Some(thin));
+        for (rect, fill) in
+            [(sheet, Colour::PALE)].into_iter().chain(view.keep_outs.iter().map(|(_, r)| (r, Colour::GREY)))
+        {
+            let small = Rect { min: on_map(rect.min), max: on_map(rect.max) };
+            canvas.frame(&small, Some(fill), Some(thin));
+        }
+        if let Some(start) = view.moves.iter().flat_map(|m| m.points.first()).next() {
+            canvas.disc(on_map(*start), 0.4 * unit, Colour::GREEN, None);
+        }
+        let at = self.frame.min - V2::new(0.0, 1.8 * MAP_TEXT * unit);
+        let text = &format!("{:.0} x {:.0} mm", self.reach.width(), self.reach.height());
+        canvas.text(Text { at, align: Align::Left, height_mm: MAP_TEXT * unit, colour: Colour::GREY, text });
+    }
 }
 
 /// A double arrow along the grain in the sheet's upper right corner, where nesting fills last.
@@ -208,15 +257,15 @@ impl Line {
 }
 
 /// Title above the sheet; key and further lines below it. Key entries run on along the sheet's width and break where it ends.
-fn legend<'a>(view: &SheetView<'a>, sheet: &Rect, unit: f64) -> (Vec<Line>, Vec<(P2, &'a Pen)>) {
+fn legend<'a>(view: &SheetView<'a>, main: &Rect, sheet: &Rect, unit: f64) -> (Vec<Line>, Vec<(P2, &'a Pen)>) {
     let mut lines = Vec::new();
     let mut samples = Vec::new();
     if !view.title.is_empty() {
-        let at = P2::new(sheet.min.x.min(0.0), sheet.max.y.max(view.reach.map_or(0.0, |r| r.max.y)) + 1.2 * unit);
+        let at = P2::new(main.min.x.min(0.0), main.max.y.max(0.0) + 1.2 * unit);
         lines.push(Line { at, height_mm: TITLE * unit, colour: Colour::INK, text: view.title.to_owned() });
     }
-    let (left, feed) = (sheet.min.x.min(0.0), (TEXT + LINE_FEED) * unit);
-    let bottom = sheet.min.y.min(view.reach.map_or(0.0, |r| r.min.y));
+    let (left, feed) = (main.min.x.min(0.0), (TEXT + LINE_FEED) * unit);
+    let bottom = main.min.y.min(0.0);
     let mut at = P2::new(left, bottom - (TEXT + 1.6) * unit);
     for (index, pen) in view.pens.iter().enumerate() {
         let of_pen = view.moves.iter().filter(|m| m.pen == index);
@@ -326,13 +375,26 @@ mod tests {
     fn the_key_tells_the_length_of_each_kind_made_and_no_other() {
         let (stock, pens, moves) = (stock(200.0, 100.0), pens(), moves());
         let sheet = Rect::from_size(200.0, 100.0);
-        let (lines, samples) = legend(&view(&stock, &pens, &moves[1..2], "t"), &sheet, 2.0);
+        let (lines, samples) = legend(&view(&stock, &pens, &moves[1..2], "t"), &sheet, &sheet, 2.0);
         let texts: Vec<&str> = lines.iter().map(|l| l.text.as_str()).collect();
         assert_eq!(texts, ["t", "engrave, 40 mm", "12 min 3 s"]);
         assert_eq!(samples.len(), 1);
-        let (lines, _) = legend(&view(&stock, &pens, &moves, ""), &sheet, 2.0);
+        let (lines, _) = legend(&view(&stock, &pens, &moves, ""), &sheet, &sheet, 2.0);
         assert!(lines.iter().any(|l| l.text == "outlines, 130 mm"));
         assert_eq!(people_length(1234.0), "1.23 m");
+    }
+
+    #[test]
+    fn a_bed_much_larger_than_the_sheet_is_a_small_map() {
+        let (stock, pens, moves) = (stock(200.0, 100.0), pens(), moves());
+        let small = sheet_canvas(&view(&stock, &pens, &moves, "t")).area;
+        let bed = Rect::from_size(800.0, 600.0);
+        let large = sheet_canvas(&SheetView { reach: Some(bed), ..view(&stock, &pens, &moves, "t") }).area;
+        let map_mm = (MAP + MAP_GAP) * 2.0;
+        assert!(
+            (large.width() - small.width() - map_mm).abs() < 1e-9 && large.height() < 1.2 * small.height(),
+            "{large:?}"
+        );
     }
 
     #[test]
