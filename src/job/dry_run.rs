@@ -260,7 +260,7 @@ mod tests {
             let order = Look { name: "pen.nc", text, machine: None, material: None };
             let looked = look(&order, &Library::built_in(), Form::Svg, ColorBy::Power).unwrap();
             // The way with the tool down is a path of its own.
-            String::from_utf8(looked.bytes).unwrap().contains("d=\"M11.8 403.66 H61.8\"")
+            String::from_utf8(looked.bytes).unwrap().contains("d=\"M11.8 3.66 H61.8\"")
         };
         assert!(drawn(program) && !drawn(&program.replace("; tool: pen\n", "")));
     }
