@@ -1,7 +1,8 @@
-//! How well outlines are filled: `cargo bench --bench fill -- [--outlines FILE.json] [--only NAME,NAME] [--json] [--png DIR] [--paper]`.
+//! How well outlines are filled: `cargo bench --bench fill -- [--outlines FILE.json] [--only NAME,NAME] [--json] [--png DIR] [--paper] [--bare]`.
 //!
 //! FILE.json maps names to polygons, mm; without it, shapes of the bench's own. Prisms 40 mm thick of paper with 160 g/m², gravity on, segments of 3 mm, joints as a laser cuts
-//! them. `halved` is the sum of uncovered and protruding again with segments half as long; `--paper` follows the paper's length rule instead. Seconds are the processor's, on one core,
+//! them. `halved` is the sum of uncovered and protruding again with segments half as long; `--paper` follows the paper's length rule instead; `--bare`
+//! leaves out what joints, hands and the material ask for, to tell what that costs. Seconds are the processor's, on one core,
 //! where the system tells them, else the clock's. `--png` draws every part.
 
 use furbelow::cut::{Outline, PlaneFrame};
@@ -60,7 +61,7 @@ fn main() {
     let method = if has("--paper") { Method::Paper } else { Method::Adjoint };
     for (name, outline) in outlines.iter().filter(|(name, _)| only.as_ref().is_none_or(|o| o.contains(name))) {
         let began = Began::now();
-        let part = filled(name, outline, &settings(method, SEGMENT_MM));
+        let part = filled(name, outline, &settings(method, SEGMENT_MM, has("--bare")));
         let seconds = began.seconds();
         let part = match part {
             Ok(part) => part,
@@ -69,7 +70,7 @@ fn main() {
                 continue;
             }
         };
-        let halved = filled(name, outline, &settings(method, 0.5 * SEGMENT_MM)).ok();
+        let halved = filled(name, outline, &settings(method, 0.5 * SEGMENT_MM, has("--bare"))).ok();
         let sum = |part: &Part| 100.0 * (part.report.uncovered_fraction + part.report.protruding_fraction);
         let report = &part.report;
         let row = Row {
@@ -125,8 +126,12 @@ fn print(row: &Row) {
     );
 }
 
-/// What a laser's joint and paper of 160 g/m² ask for.
-fn settings(method: Method, segment_mm: f64) -> Settings {
+/// What a laser's joint and paper of 160 g/m² ask for, unless `bare`.
+fn settings(method: Method, segment_mm: f64, bare: bool) -> Settings {
+    if bare {
+        let stack = StackSettings { segment_mm, ..StackSettings::default() };
+        return Settings { stack, method, ..Settings::default() };
+    }
     let stack = StackSettings { segment_mm, min_layer_mm: 14.85, ..StackSettings::default() };
     Settings { stack, method, min_bend_radius_mm: 5.0, min_void_mm: 9.0, min_section_mm: 17.1, ..Settings::default() }
 }
