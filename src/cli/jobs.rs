@@ -1,12 +1,15 @@
 //! `furbelow jobs`: what was sent, how far it came, and tidying up.
 
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
-use super::{Failure, output};
-use crate::config;
-use crate::job::minutes;
+use super::{Failure, output, preview};
+use crate::config::{self, Library};
+use crate::job::{self, Form, Look, minutes};
+use crate::preview::Come;
 use crate::stream::{Journal, JournalError, Mark, Progress, Record, Standing};
 
 /// Seconds in a day.
@@ -29,6 +32,9 @@ enum Command {
     Show {
         /// Its number
         job: u32,
+        /// Draw what is surely cut, what may be and what is left, .png or .svg, to hold against the sheet
+        #[arg(long, value_name = "FILE")]
+        picture: Option<PathBuf>,
         /// One JSON object on stdout
         #[arg(long)]
         json: bool,
@@ -51,7 +57,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let journal = journal()?;
     match &args.command {
         None => list(&journal, args.json),
-        Some(Command::Show { job, json }) => show(&journal.record(*job)?, *json),
+        Some(Command::Show { job, picture, json }) => {
+            let record = journal.record(*job)?;
+            if let Some(file) = picture {
+                draw(&record, file)?;
+            }
+            show(&record, *json)
+        }
         Some(Command::Prune { keep, days, json }) => prune(&journal, *keep, *days, *json),
     }
 }
@@ -127,7 +139,10 @@ fn show(record: &Record, as_json: bool) -> Result<(), Failure> {
     ];
     if let Some(reached) = reached.filter(|reached| reached.line > executed) {
         let seen = format!("{} mm into line {}", output::number(reached.along_mm), reached.line);
-        rows.push(output::fact("last seen", format!("{seen}, machine {}", place(last.and_then(|n| n.machine_mm)))));
+        rows.push(output::fact(
+            "last seen",
+            format!("{seen}, machine {}", place(notes.iter().rev().find_map(|n| n.machine_mm))),
+        ));
     }
     rows.extend(head.resumes.map(|before| output::fact("goes on with", format!("job {before}"))));
     for note in notes.iter().filter(|note| matches!(note.mark, Mark::Trouble | Mark::Failed | Mark::Stopped)) {
@@ -138,6 +153,28 @@ fn show(record: &Record, as_json: bool) -> Result<(), Failure> {
         rows.push(output::fact("to go on", format!("furbelow resume {number}")));
     }
     output::line(&output::table(&rows))
+}
+
+/// Draws how far a job has come.
+fn draw(record: &Record, file: &Path) -> Result<(), Failure> {
+    let named = |reason: String| Failure::config(format!("--picture {}: {reason}", file.display()));
+    let longer_px = match preview::form_of(file) {
+        Some(Form::Png(px)) => Some(px),
+        Some(Form::Svg) => None,
+        Some(Form::Html) | None => return Err(named("name a file that ends in .png or .svg".to_owned())),
+    };
+    let program = record.program()?;
+    let bytes = fs::read(&program).map_err(|e| Failure::config(format!("{}: {e}", program.display())))?;
+    let text = String::from_utf8_lossy(&bytes);
+    let title = format!("job {}: {}", record.number, record.head.name);
+    let library = Library::open();
+    // The machine may be another computer's file by now.
+    let machine = Some(record.head.machine.as_str()).filter(|name| library.machine(name).is_ok());
+    let place = record.progress().place();
+    let come = Come { line: place.line, along_mm: place.along_mm, maybe: record.maybe() };
+    let look = Look { name: &title, text: &text, machine, material: None };
+    let looked = job::look_back(&look, &library, come, longer_px)?;
+    fs::write(file, looked.bytes).map_err(|e| named(e.to_string()))
 }
 
 fn prune(journal: &Journal, keep: usize, days: u64, as_json: bool) -> Result<(), Failure> {

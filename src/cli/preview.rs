@@ -1,6 +1,5 @@
 //! `furbelow preview JOB.nc`: what the machine will do, as a page that plays it or as a picture.
 
-use std::ffi::OsStr;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -60,7 +59,10 @@ impl From<Color> for ColorBy {
 
 pub(super) fn run(args: Args) -> Result<(), Failure> {
     let out = args.out.clone().unwrap_or_else(|| default_out(&args.job));
-    let form = form_of(&out)?;
+    let form = if out == Path::new("-") { Some(Form::Html) } else { form_of(&out) };
+    let form = form.ok_or_else(|| {
+        Failure::config(format!("--out {}: name a file that ends in .html, .svg or .png", out.display()))
+    })?;
     if out == args.job && out != Path::new("-") {
         return Err(Failure::config(format!(
             "--out {} would replace the job itself; name another file",
@@ -80,16 +82,13 @@ pub(super) fn run(args: Args) -> Result<(), Failure> {
     output::line(&format!("{planned}{guessed}"))
 }
 
-/// What is written, by the file's ending.
-fn form_of(out: &Path) -> Result<Form, Failure> {
-    if out == Path::new("-") {
-        return Ok(Form::Html);
-    }
-    match out.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase).as_deref() {
-        Some("html" | "htm") => Ok(Form::Html),
-        Some("svg") => Ok(Form::Svg),
-        Some("png") => Ok(Form::Png(PNG_PX)),
-        _ => Err(Failure::config(format!("--out {}: name a file that ends in .html, .svg or .png", out.display()))),
+/// What is written, by the file's ending; `None` for an ending that tells nothing.
+pub(super) fn form_of(file: &Path) -> Option<Form> {
+    match file.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+        "html" | "htm" => Some(Form::Html),
+        "svg" => Some(Form::Svg),
+        "png" => Some(Form::Png(PNG_PX)),
+        _ => None,
     }
 }
 

@@ -8,7 +8,7 @@ use super::stock::parse_stock;
 use crate::config::{Grain, Library, Machine, Profile, StockGrain};
 use crate::gcode::{self, Move, Program};
 use crate::geom::{Motion, P2, Rect, V2};
-use crate::preview::{Bed, ColorBy, GrainRun, MAX_MOVES, Run, Stock, html, run_canvas};
+use crate::preview::{self, Bed, ColorBy, Come, GrainRun, MAX_MOVES, Run, Stock, come_canvas, html, run_canvas};
 use crate::progress::Warning;
 
 /// The machine a program is shown on when neither the user nor the program names one.
@@ -62,6 +62,29 @@ pub struct Looked {
 /// # Errors
 /// A machine or material that is not known, text that is no G-code, a program that GRBL would refuse, or one too large for a page.
 pub fn look(order: &Look, library: &Library, form: Form, by: ColorBy) -> Result<Looked, Error> {
+    drawn(order, library, |run, bed| match form {
+        Form::Html => html(order.name, std::slice::from_ref(run), bed, by).map(String::into_bytes),
+        Form::Svg => Ok(run_canvas(run, bed, by).to_svg().into_bytes()),
+        Form::Png(longer_px) => run_canvas(run, bed, by).to_png(longer_px),
+    })
+}
+
+/// Shows how far a program has come, as a PNG of so many pixels on its longer side, or as SVG.
+///
+/// # Errors
+/// As [`look`].
+pub fn look_back(order: &Look, library: &Library, come: Come, longer_px: Option<u32>) -> Result<Looked, Error> {
+    drawn(order, library, |run, bed| {
+        let canvas = come_canvas(run, bed, come);
+        longer_px.map_or_else(|| Ok(canvas.to_svg().into_bytes()), |px| canvas.to_png(px))
+    })
+}
+
+fn drawn(
+    order: &Look,
+    library: &Library,
+    draw: impl FnOnce(&Run, &Bed) -> Result<Vec<u8>, preview::Error>,
+) -> Result<Looked, Error> {
     let plot = gcode::is_plot(order.text);
     let program = if plot { Program::default() } else { parsed(order)? };
     let label = Label::of(&program);
@@ -105,12 +128,7 @@ pub fn look(order: &Look, library: &Library, form: Form, by: ColorBy) -> Result<
     let mut bed = bed(&machine);
     // A pen beside a laser draws without light.
     bed.laser &= label.tool.is_none();
-    let picture = |source| Error::Picture { file: order.name.into(), source };
-    let bytes = match form {
-        Form::Html => html(order.name, std::slice::from_ref(&run), &bed, by).map_err(picture)?.into_bytes(),
-        Form::Svg => run_canvas(&run, &bed, by).to_svg().into_bytes(),
-        Form::Png(longer_px) => run_canvas(&run, &bed, by).to_png(longer_px).map_err(picture)?,
-    };
+    let bytes = draw(&run, &bed).map_err(|source| Error::Picture { file: order.name.into(), source })?;
     Ok(Looked { bytes, time_s, machine: machine.name, guessed })
 }
 

@@ -42,7 +42,7 @@ pub use crate::ruffle::Role as SectionRole;
 pub use border::take_in;
 pub use cards::{Learnt, TestCard, learnt, test_card};
 pub use change::{Changed, Cut, Places, Request, change};
-pub use dry_run::{Form, Look, Looked, look};
+pub use dry_run::{Form, Look, Looked, look, look_back};
 pub use error::Error;
 pub use label::{Label, SheetLabel};
 pub use nested::{Nestable, Nested, nestables, offcut_stock, write_nested};

@@ -2,6 +2,7 @@
 //! [`Canvas`], so that they cannot differ; and as an HTML page that plays a program at the machine's own speed.
 
 mod canvas;
+mod come_canvas;
 mod html;
 mod pack;
 mod part;
@@ -13,6 +14,7 @@ mod sheet;
 mod svg;
 
 pub use canvas::{Align, Canvas, Colour, Stroke, Text};
+pub use come_canvas::{Come, come_canvas};
 pub use html::{MAX_MOVES, html};
 pub use part::{PartView, part_canvas};
 pub use run::{Bed, GrainRun, Run, Stock};

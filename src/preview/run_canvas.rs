@@ -50,6 +50,11 @@ pub fn run_canvas(run: &Run, bed: &Bed, by: ColorBy) -> Canvas {
 
 /// The way of a move as points, fine enough for any picture of a sheet.
 pub fn flattened(m: &Move) -> Vec<P2> {
+    stretch(m, 0.0, 1.0)
+}
+
+/// A stretch of the way, between two shares of it.
+pub(super) fn stretch(m: &Move, from: f64, to: f64) -> Vec<P2> {
     let steps = match m.action {
         Action::Arc { radius_mm, .. } => {
             let chord = 2.0 * (2.0 * PICTURE_MM * radius_mm).sqrt();
@@ -57,7 +62,7 @@ pub fn flattened(m: &Move) -> Vec<P2> {
         }
         _ => 1,
     };
-    (0..=steps).map(|i| m.point_at(i as f64 / steps as f64).xy()).collect()
+    (0..=steps).map(|i| m.point_at(from + (to - from) * i as f64 / steps as f64).xy()).collect()
 }
 
 fn what(by: ColorBy, bed: &Bed) -> &'static str {
