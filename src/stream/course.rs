@@ -110,16 +110,16 @@ impl Course {
         self.interpreter
     }
 
-    /// A line was sent.
+    /// A line was sent. What it makes the board do when nobody knows where it leads is surely nothing: it may lead to where the head stands.
     pub(super) fn sent(&mut self, number: usize, text: &str) -> Effect {
-        let Some(interpreter) = &mut self.interpreter else { return unfollowed(text) };
+        let Some(interpreter) = &mut self.interpreter else { return Effect::default() };
         let line =
             parse_line(text, number).ok().filter(|line| !text.starts_with('$') && line.leads_elsewhere().is_none());
         let Some(moves) = line.and_then(|line| interpreter.line(&line).ok()) else {
             // The board will refuse it, or goes where only it knows.
             self.interpreter = None;
             self.legs.clear();
-            return unfollowed(text);
+            return Effect::default();
         };
         let mut effect = Effect::default();
         let mut before_mm = 0.0;
@@ -261,12 +261,6 @@ impl Course {
     }
 }
 
-/// What a line makes the board do when nobody knows where it leads: words of an axis are taken to move it.
-fn unfollowed(text: &str) -> Effect {
-    let moves = !text.starts_with('$') && text.contains(['X', 'Y', 'Z']);
-    Effect { blocks: usize::from(moves), rests: false }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -368,6 +362,7 @@ mod tests {
             assert_eq!(course.located([400.0, 0.0, 0.0]), Ok(()));
             assert_eq!(course.located([400.0, 0.0, 0.0]), Ok(()), "{line}");
             assert_eq!(course.reached(), None);
+            assert_eq!(course.sent(4, "G1X30"), Effect::default(), "it may stand there already");
         }
     }
 }

@@ -250,7 +250,7 @@ fn a_file_that_cannot_be_read_on_stops_the_job() {
 
 #[test]
 fn an_end_in_the_wrong_place_is_no_success() {
-    for (x_mm, good) in [(5.0, true), (5.1, false)] {
+    for (x_mm, good) in [(19.0, true), (19.1, false)] {
         let mut bench = Bench::ready(Board::new(5));
         let lines = Box::new(moves(20).into_iter().map(Ok));
         bench.command(Command::Run { lines, ends_at_mm: Some([x_mm, 2.0]) });
