@@ -105,6 +105,11 @@ impl Course {
         }
     }
 
+    /// What its lines leave in effect, and where they end; `None` when that is not known.
+    pub(super) fn end(&self) -> Option<&Interpreter> {
+        self.interpreter.as_ref()
+    }
+
     /// The modes its lines leave in effect; `None` when that is not known.
     pub(super) fn modes(self) -> Option<Interpreter> {
         self.interpreter
@@ -184,6 +189,11 @@ impl Course {
         self.pace.crawls(seen.nth, &leg.way, seen.along_mm, now).then_some(leg.line)
     }
 
+    /// The head stands for a reason of its own: at an open door, say.
+    pub(super) fn rests(&mut self) {
+        self.pace.rests();
+    }
+
     /// How far the reports say that the job has come at least.
     pub(super) fn reached(&self) -> Option<Reached> {
         let sure = self.sure.filter(|sure| sure.nth == self.passed)?;
@@ -205,8 +215,12 @@ impl Course {
                 return Some(Spot { nth, along_mm: 0.0 });
             }
             let (t, off_mm) = leg.way.nearest(at);
-            let along_mm = t * leg.way.length_mm();
-            if off_mm <= limit_mm && !behind(along_mm) {
+            let length_mm = leg.way.length_mm();
+            // Of a full circle that was seen to be cut it is the end, and not the start that is nearest too.
+            let places = [(t * length_mm, off_mm), (length_mm, (at - leg.way.to).norm())];
+            if let Some((along_mm, _)) =
+                places.into_iter().find(|(along_mm, off_mm)| *off_mm <= limit_mm && !behind(*along_mm))
+            {
                 return Some(Spot { nth, along_mm });
             }
         }
@@ -337,6 +351,17 @@ mod tests {
         assert_eq!(reached(&mut course, -0.01, 0.005), Some((3, 0.0)), "not the end of the circle");
         let (line, along_mm) = reached(&mut course, 5.0, -5.0).unwrap();
         assert!(line == 3 && (along_mm - 2.5 * std::f64::consts::PI).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_circle_that_is_cut_and_waits_at_its_end_has_not_left_its_way() {
+        let mut course = course(&["G1X60Y50F1000", "G2X60Y50I-10J0", "G4P2"]);
+        course.carried_out(1);
+        assert_eq!(reached(&mut course, 60.0, 50.0), Some((2, 0.0)), "the start, before it was seen elsewhere");
+        let (line, along_mm) = reached(&mut course, 50.0, 40.0).unwrap();
+        assert!(line == 2 && (along_mm - 5.0 * std::f64::consts::PI).abs() < 0.01, "{along_mm}");
+        let (line, along_mm) = reached(&mut course, 60.0, 50.0).unwrap();
+        assert!(line == 2 && (along_mm - 20.0 * std::f64::consts::PI).abs() < 0.01, "{along_mm}");
     }
 
     #[test]

@@ -20,6 +20,8 @@ pub(super) struct Board {
     pub(super) blocks: VecDeque<(u64, f64)>,
     /// Where the head is, at the end of a block always, mm.
     pub(super) x_mm: f64,
+    /// It stands there whatever it is told.
+    pub(super) still: bool,
     /// A line that waits for a place in the planner.
     pub(super) waiting: bool,
     pub(super) state: State,
@@ -45,6 +47,7 @@ impl Board {
             line: Vec::new(),
             blocks: VecDeque::new(),
             x_mm: 5.0,
+            still: false,
             waiting: false,
             state: State::Idle,
             braking_ms: 0,
@@ -191,7 +194,7 @@ impl Board {
         if let Some(line) = self.lines.last().filter(|line| line.starts_with('G')) {
             let number = |text: &str| text.split(char::is_alphabetic).next().and_then(|x| x.parse().ok());
             let before_mm = self.blocks.back().map_or(self.x_mm, |(_, x_mm)| *x_mm);
-            let x_mm = line.strip_prefix("G1X").and_then(number).unwrap_or(before_mm);
+            let x_mm = line.strip_prefix("G1X").and_then(number).filter(|_| !self.still).unwrap_or(before_mm);
             self.blocks.push_back((self.block_ms, x_mm));
             self.state = State::Run;
         }
@@ -261,7 +264,7 @@ impl Bench {
 
     pub(super) fn send(&mut self, lines: impl IntoIterator<Item = String, IntoIter: Send + 'static>) {
         let lines = Box::new(lines.into_iter().map(Ok));
-        self.command(Command::Run { lines, ends_at_mm: None });
+        self.command(Command::Run { lines });
     }
 
     pub(super) fn ending(&self) -> Option<&Ending> {
