@@ -59,10 +59,27 @@ impl Session {
         if text.starts_with('$') {
             return;
         }
-        self.modes = self.modes.take().and_then(|mut modes| {
+        let modes = self.modes.take().and_then(|mut modes| {
             modes.line(&parse_line(text, 1).ok()?).ok()?;
             (modes.modal().offset == 0).then_some(modes)
         });
+        self.set_modes(modes);
+    }
+
+    /// Modes as lines have left them; what was known of G92 and the tool's length goes with them.
+    pub(super) fn set_modes(&mut self, modes: Option<Interpreter>) {
+        let board = &mut self.board;
+        board.shift_mm = board.shift_mm.and(modes.as_ref()).map(|modes| modes.shift().into());
+        board.tool_length_mm = board.tool_length_mm.and(modes.as_ref()).map(Interpreter::tool_length_mm);
+        self.modes = modes;
+    }
+
+    /// What the board tells of G92 and the tool's length, into the modes.
+    pub(super) fn shift_modes(&mut self) {
+        if let Some(modes) = &mut self.modes {
+            let shift_mm = self.board.shift_mm.unwrap_or_default();
+            modes.set_shift(V3::from(shift_mm), self.board.tool_length_mm.unwrap_or_default());
+        }
     }
 }
 
