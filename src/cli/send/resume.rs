@@ -147,6 +147,7 @@ fn resume(
     // Where its rest is to lie it is checked again.
     let program = Program::read(&path, record.head.name.clone(), &anywhere(&machine), |_| ())?;
     let Some(from) = place_to_go_on(args, &record)? else {
+        record.finished()?;
         teller.say(&format!("nothing is left to cut of job {}", record.number));
         return Ok(Outcome::Done);
     };
