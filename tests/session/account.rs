@@ -59,3 +59,19 @@ fn sound_jobs_end_well_however_they_end() {
         assert_eq!(bench.ending.clone().expect("ended").outcome, Outcome::Done, "{job}");
     }
 }
+
+#[test]
+fn a_zero_that_was_laid_before_the_job_and_is_taken_back_in_it_is_followed() {
+    for settings in [grblhal(), BoardSettings::default()] {
+        let mut bench = Bench::ready(settings);
+        for line in ["G92X-20Y-5", "G43.1Z2"] {
+            bench.command(Command::Line(line.to_owned()));
+            bench.wait(0.5);
+        }
+        bench.run("G92.1\nG49\nG0X20Y5\nG1X60F3000\nX20\n");
+        assert!(bench.until(20.0, |b| b.ending.is_some()));
+        let ending = bench.ending.clone().expect("ended");
+        assert_eq!(ending.outcome, Outcome::Done, "{ending:?}");
+        assert_eq!(bench.board.position_mm().xy(), furbelow::geom::P2::new(20.0, 5.0));
+    }
+}

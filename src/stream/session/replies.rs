@@ -154,8 +154,8 @@ impl Session {
         self.rest_reports = 0;
         self.status = None;
         self.modes = Some(modes::at_start());
-        // GRBL and FluidNC forget both with a reset; grblHAL may keep them.
-        let forgets = firmware != Firmware::GrblHal;
+        // GRBL forgets both with a reset (gc_init); others may keep them.
+        let forgets = firmware == Firmware::Grbl;
         (self.board.shift_mm, self.board.tool_length_mm) = (forgets.then_some([0.0; 3]), forgets.then_some(0.0));
         match self.phase {
             Phase::Opening { .. } | Phase::Asking | Phase::Lost => {
