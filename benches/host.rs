@@ -83,7 +83,7 @@ fn counting() -> (Row, Row) {
         } else if session.is_ready() && status {
             started = true;
             let lines = Box::new(circle().into_iter().map(Ok));
-            actions.extend(session.command(now, Command::Run { lines, ends_at_mm: None }));
+            actions.extend(session.command(now, Command::Run { lines }));
         }
         for action in actions {
             match action {
@@ -152,7 +152,7 @@ mod link {
         // 70 characters: two such lines do not fit a buffer of 128 bytes.
         let lines = (0..LINES).map(|k| Ok(format!("G1X{k}.{}F1000", "0".repeat(60))));
         let began = Instant::now();
-        link.command(Command::Run { lines: Box::new(lines), ends_at_mm: None });
+        link.command(Command::Run { lines: Box::new(lines) });
         let Event::Ended(ending) = wait(&|e| matches!(e, Event::Ended(_))) else { unreachable!("asked for") };
         let seconds = began.elapsed().as_secs_f64();
         assert_eq!(ending.outcome, Outcome::Done);

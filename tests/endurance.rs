@@ -70,7 +70,7 @@ fn a_day_of_cutting_needs_no_more_memory_than_an_hour() {
             actions.extend(session.on_tick(now));
             if !started && told && session.is_ready() {
                 started = true;
-                actions.extend(session.command(now, Command::Run { lines: Box::new(endless()), ends_at_mm: None }));
+                actions.extend(session.command(now, Command::Run { lines: Box::new(endless()) }));
             }
             for action in actions {
                 match action {

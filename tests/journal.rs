@@ -25,7 +25,7 @@ fn the_writer_that_is_killed() {
     let Some(folder) = std::env::var_os(FOLDER) else { return };
     let head = Head::new("job.nc", "diode-400", "emulator", &Board::default());
     let lines = (0..200).map(|k| Ok(format!("G1X{k}")));
-    let mut recorder = Journal::at(folder).begin(head, lines).expect("begun");
+    let (mut recorder, _) = Journal::at(folder).begin(head, lines, None).expect("begun");
     for n in 0.. {
         let reached = Some(Reached { line: n + 1, along_mm: 0.5 });
         let progress = Progress { sent: n + 30, acked: n + 15, executed: n, reached };

@@ -66,7 +66,7 @@ impl Bench {
     }
 
     fn run(&mut self, lines: Vec<String>) {
-        self.command(Command::Run { lines: Box::new(lines.into_iter().map(Ok)), ends_at_mm: None });
+        self.command(Command::Run { lines: Box::new(lines.into_iter().map(Ok)) });
     }
 
     fn check(&mut self, text: &str) {

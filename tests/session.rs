@@ -1,5 +1,7 @@
 //! A session against the emulated board, both on virtual time: nothing is lost or doubled unnoticed, and the beam goes out.
 
+#[path = "session/account.rs"]
+mod account;
 #[path = "session/bench.rs"]
 mod bench;
 #[path = "session/burn.rs"]

@@ -79,11 +79,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let began_mm = talk.status.work_mm.map(|[x, y, _]| [x, y]);
     talk.on_interrupt(OnInterrupt::Stop);
     let enough = args.repeat.then(wait_for_enter);
-    let corner = frame.corners.first().map(|p| [p.x, p.y]);
     let mut rounds = 0;
     let mut outcome = Outcome::Done;
     while outcome == Outcome::Done && !talk.interrupted() {
-        outcome = drive(&mut talk, lines.clone(), corner)?;
+        outcome = drive(&mut talk, lines.clone())?;
         rounds += usize::from(outcome == Outcome::Done);
         if enough.as_ref().is_none_or(|enough| enough.load(Ordering::SeqCst)) {
             break;
@@ -91,7 +90,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     if outcome == Outcome::Done && !talk.interrupted() {
         // A board without switches takes where the head stands for its place when the port is opened again: it ends where it began.
-        outcome = drive(&mut talk, Frame::way_to(began_mm.unwrap_or_default()), Some(began_mm.unwrap_or_default()))?;
+        outcome = drive(&mut talk, Frame::way_to(began_mm.unwrap_or_default(), machine.up_mm()))?;
     }
     tell(&talk, args, &frame, tracing, rounds, &outcome, began_mm.is_some())?;
     match outcome {
@@ -209,8 +208,8 @@ fn preflight(talk: &Talk, demand: &Demand, job: &Job, machine: &Machine, beam: b
 }
 
 /// Sends a few lines and waits for their end.
-pub(super) fn drive(talk: &mut Talk, lines: Vec<String>, ends_at_mm: Option<[f64; 2]>) -> Result<Outcome, Failure> {
-    talk.command(Command::Run { lines: Box::new(lines.into_iter().map(Ok)), ends_at_mm });
+pub(super) fn drive(talk: &mut Talk, lines: Vec<String>) -> Result<Outcome, Failure> {
+    talk.command(Command::Run { lines: Box::new(lines.into_iter().map(Ok)) });
     let ended = talk.wait_for_end(&mut |message| {
         eprintln!("{message}");
         Ok(())

@@ -304,6 +304,12 @@ pub struct KeepOut {
 }
 
 impl Machine {
+    /// How high the z axis lifts what it carries, the tool or the pen beside it, for travel, mm above the sheet; `None` without one.
+    pub fn up_mm(&self) -> Option<f64> {
+        let lifts = [self.tool.lift, self.pen.and_then(|pen| pen.lift)];
+        lifts.into_iter().flatten().map(|lift| lift.up_mm).reduce(f64::max)
+    }
+
     /// The rectangle the tool reaches, along the machine's x and y, in mm. Zero for a machine that says neither work area nor roll,
     /// which a loaded one never is.
     pub fn reach_mm(&self) -> [f64; 2] {

@@ -1,6 +1,7 @@
 //! What the board tells of itself (report.c).
 
 use super::board::{Board, State};
+use super::personality::Personality;
 use crate::gcode::Beam;
 use crate::geom::V3;
 
@@ -109,8 +110,14 @@ impl Board {
         let distance = if m.incremental { 91 } else { 90 };
         let feed_mode = if m.inverse_time { 93 } else { 94 };
         let feed = m.feed_mm_per_min / if self.settings.is_on(13) { 25.4 } else { 1.0 };
+        // grblHAL tells more groups: tool length, the return from drilling cycles, scaling (report.c).
+        let (more, point) = match self.hardware.personality {
+            Personality::GrblHal if self.interpreter.tool_length_mm() != 0.0 => (" G43.1 G98 G50", "."),
+            Personality::GrblHal => (" G49 G98 G50", "."),
+            Personality::Grbl | Personality::FluidNc => ("", ""),
+        };
         format!(
-            "[GC:{} G{} G{} G{unit} G{distance} G{feed_mode} {beam} {coolant} T{:.0} F{feed:.0} S{:.0}]",
+            "[GC:{} G{} G{} G{unit} G{distance} G{feed_mode}{more} {beam} {coolant} T{:.0} F{feed:.0} S{:.0}{point}]",
             m.motion,
             54 + m.offset,
             m.plane,

@@ -77,6 +77,7 @@ impl Board {
         }
         let before = self.interpreter.clone();
         let moves = self.interpreter.line(line).map_err(|problem| problem.grbl_error())?;
+        self.interpreter.round_as_board();
         let (modal, was) = (self.interpreter.modal(), before.modal());
         if self.interpreter.origin() != before.origin() {
             self.reports_to_wco = 0;

@@ -70,11 +70,25 @@ impl Interpreter {
         self.tracer.position = position_mm;
     }
 
-    /// The machine is found somewhere, with work zero of the offset in effect somewhere: all that makes it up, G92 too, is in `origin_mm`.
+    /// The machine is found somewhere, with work zero of the offset in effect somewhere: all that makes it up, G92 and the tool's length too, is in
+    /// `origin_mm`.
     pub fn find(&mut self, position_mm: P3, origin_mm: V3) {
         let t = &mut self.tracer;
-        (t.position, t.shift, t.tool_length_mm) = (position_mm, V3::zeros(), 0.0);
-        t.offsets[t.offset] = origin_mm;
+        t.position = position_mm;
+        t.offsets[t.offset] += origin_mm - t.origin();
+    }
+
+    /// G92 and G43.1 are in effect like this, mm.
+    pub fn set_shift(&mut self, shift_mm: V3, tool_length_mm: f64) {
+        (self.tracer.shift, self.tracer.tool_length_mm) = (shift_mm, tool_length_mm);
+    }
+
+    /// In G91 GRBL adds each step to where the last one ended in single precision (gcode.c, nuts_bolts.h): what is lost of each adds up. For who counts
+    /// in machine coordinates as a board does.
+    pub fn round_as_board(&mut self) {
+        if self.tracer.incremental {
+            self.tracer.position = self.tracer.position.map(|mm| f64::from(mm as f32));
+        }
     }
 
     /// Where the program's zero lies: offset, G92 and tool length, mm.

@@ -64,6 +64,12 @@ impl Line {
         self.words.iter().find(stored).copied()
     }
 
+    /// True when it takes back what lies on work zero beside the offset: G92 (G92.1) or the tool's length (G49).
+    pub fn clears_shift(&self) -> bool {
+        let clears = |word: &Word| word.letter == 'G' && [92.1, 49.0].contains(&word.value);
+        self.words.iter().any(clears)
+    }
+
     /// The number of the first word with this letter.
     pub fn value(&self, letter: char) -> Option<f64> {
         self.words.iter().find(|w| w.letter == letter).map(|w| w.value)

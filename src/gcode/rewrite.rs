@@ -53,11 +53,13 @@ pub enum RewriteError {
 struct Written {
     motion: Option<u8>,
     at: Option<P2>,
-    z: f64,
+    z: Option<f64>,
     power_s: f64,
     feed: Option<f64>,
     beam: Option<Beam>,
     coolant: [bool; 2],
+    /// The last dwell, s: how long a tool takes to come down.
+    dwell_s: Option<f64>,
 }
 
 /// Writes a program anew, line by line.
@@ -67,9 +69,14 @@ pub struct Rewriter {
     placing: Similarity,
     laser: bool,
     from: Option<Restart>,
-    /// A line with words has been written.
+    /// A line with words has been read, and one has been written.
+    worded: bool,
     begun: bool,
+    /// It has led the head somewhere, or worked where it stands.
+    led: bool,
     number: usize,
+    /// It has said a height.
+    uses_z: bool,
     /// The highest place the program has been at, mm: safe for travels.
     top_mm: f64,
     now: Written,
@@ -80,17 +87,19 @@ impl Rewriter {
     /// A program for a machine whose tool burns or does not (`laser`), which starts with the head at `start_mm` of its own coordinates, each of its
     /// places moved by `placing`, from `from` on when that is not its beginning.
     pub fn new(start_mm: P3, placing: Similarity, laser: bool, from: Option<Restart>) -> Rewriter {
-        let now = Written { z: start_mm.z, ..Written::default() };
         let interpreter = Interpreter::new(start_mm, [V3::zeros(); 6], [P3::origin(); 2]);
         Rewriter {
             interpreter,
             placing,
             laser,
             from,
+            worded: false,
             begun: false,
+            led: false,
             number: 0,
+            uses_z: false,
             top_mm: start_mm.z,
-            now,
+            now: Written::default(),
             out: Vec::new(),
         }
     }
@@ -105,9 +114,11 @@ impl Rewriter {
         let line = parse_line(text, number)?;
         if line.words.is_empty() {
             // The head says what the program is; remarks in a part that is left out say nothing any more.
-            let kept = line.comment.filter(|_| !self.begun || self.from.is_none());
+            let kept = line.comment.filter(|_| !self.worded || self.from.is_none());
             return Ok(kept.map(|comment| format!("; {comment}")).into_iter().collect());
         }
+        self.worded = true;
+        self.uses_z |= line.value('Z').is_some();
         if let Some(word) = line.leads_elsewhere().or_else(|| machine_word(&line)) {
             return Err(RewriteError::Elsewhere { line: number, word });
         }
@@ -152,17 +163,23 @@ impl Rewriter {
             // A tool that is lifted by what else would be the power must be up while it travels.
             self.switch(&before);
         }
-        if self.top_mm != self.now.z || place.z != self.now.z {
-            self.say(&[('G', 0.0), ('Z', self.top_mm)]);
-            (self.now.motion, self.now.z) = (Some(0), self.top_mm);
+        if self.uses_z {
+            // Wherever a stop has left it: up first, then there, then down to where it goes on.
+            self.rise(self.top_mm);
+            self.go(0, P3::new(place.x, place.y, self.top_mm), &[], None, None);
         }
+        self.led = true;
         self.go(0, place, &[], None, None);
         self.write(line, &rest);
     }
 
     fn write(&mut self, line: &Line, moves: &[Move]) {
         let modal = self.interpreter.modal();
+        let dwell_s = self.lead_in(moves);
         self.switch(&modal);
+        if let Some(seconds) = dwell_s {
+            self.say(&[('G', 4.0), ('P', seconds)]);
+        }
         for m in moves {
             match m.action {
                 Action::Stop => {}
@@ -172,6 +189,7 @@ impl Rewriter {
                         self.now.power_s = round3(m.power_s);
                     }
                     self.say(&[('G', 4.0), ('P', seconds)]);
+                    self.now.dwell_s = Some(seconds);
                 }
                 // Laser mode keeps the beam off in travels; not every firmware does.
                 Action::Rapid => self.go(0, m.to, &[], Some(0.0), None),
@@ -188,6 +206,37 @@ impl Rewriter {
             // Which puts the tool off, and the motion to G1.
             (self.now.beam, self.now.coolant, self.now.motion) = (Some(Beam::Off), [false; 2], None);
         }
+    }
+
+    /// Leads the head to where a program begins that would work before it travels: from wherever it stands, that would be a line of its own. A tool
+    /// that was put down there is put off for it; how long it then takes to come down, s.
+    fn lead_in(&mut self, moves: &[Move]) -> Option<f64> {
+        let lit =
+            |m: &Move| m.beam == Beam::Constant && m.feeding && m.power_s > 0.0 && !matches!(m.action, Action::Stop);
+        let first = moves.iter().find(|m| m.goes() || lit(m))?;
+        if std::mem::replace(&mut self.led, true) {
+            return None;
+        }
+        if first.action == Action::Rapid {
+            if self.uses_z && first.to.z >= first.from.z {
+                // Not aslant: the tool may be down.
+                self.rise(first.to.z);
+            }
+            return None;
+        }
+        let down = !self.laser && self.now.beam.is_some_and(|beam| beam != Beam::Off);
+        if down {
+            self.say(&[('M', 5.0), ('S', 0.0)]);
+            (self.now.beam, self.now.power_s) = (Some(Beam::Off), 0.0);
+        }
+        self.now.z = Some(round3(first.from.z));
+        self.go(0, first.from, &[], Some(0.0), None);
+        self.now.dwell_s.filter(|_| down)
+    }
+
+    fn rise(&mut self, z: f64) {
+        self.say(&[('G', 0.0), ('Z', z)]);
+        (self.now.motion, self.now.z) = (Some(0), Some(round3(z)));
     }
 
     /// The tool and the air as they are to be. A laser gets its power with the moves.
@@ -245,13 +294,13 @@ impl Rewriter {
         if is_arc || before.is_none_or(|before| before.y != place.y) {
             words.push(('Y', place.y));
         }
-        if self.now.z != z {
+        if self.uses_z && self.now.z != Some(z) {
             words.push(('Z', z));
         }
         if words.len() == axes {
             return;
         }
-        (self.now.motion, self.now.z) = (Some(code), z);
+        (self.now.motion, self.now.z) = (Some(code), Some(z));
         words.extend(centre);
         if let Some(power_s) = power_s.map(round3).filter(|power_s| self.laser && self.now.power_s != *power_s) {
             words.push(('S', power_s));

@@ -70,6 +70,39 @@ fn a_pen_is_up_while_it_travels_to_where_it_goes_on() {
 }
 
 #[test]
+fn a_tool_with_a_height_goes_up_before_it_goes_anywhere() {
+    // Up is where it began: what a stop in the depth has left of that nobody knows.
+    let mill = "G21G90\nG0X5Y5\nG1Z-1F300\nX9\nG0Z0\nX20\nG1Z-1\nX30\nG0Z0\n";
+    let text = rewritten(mill, Similarity::identity(), false, Some(Restart { line: 6, along_mm: 1e9 }));
+    assert_eq!(text, "G21G90G94G17G54M5S0\nG0Z0\nX20Y5\nG1Z-1F300\nX30\nG0Z0\n");
+    let text = rewritten(mill, Similarity::identity(), false, Some(Restart { line: 8, along_mm: 1.0 }));
+    assert_eq!(text, "G21G90G94G17G54M5S0\nG0Z0\nX21Y5\nZ-1\nG1X30F300\nG0Z0\n");
+    let text = rewritten("G21G90\nG0Z0\nX5\n", Similarity::identity(), false, None);
+    assert_eq!(text, "G21G90G94G17G54M5S0\nG0Z0\nX0Y0\nX5\n", "it may stand deeper than the job takes it to");
+}
+
+#[test]
+fn remarks_in_a_part_that_is_left_out_are_left_out() {
+    let job = "; head\nG21G90\n; first\nG0X1\n; second\nG1X2F60\n; third\nX3\n";
+    let text = rewritten(job, Similarity::identity(), true, Some(Restart { line: 6, along_mm: 0.0 }));
+    assert_eq!(text, "; head\nG21G90G94G17G54M5S0\nG0X1Y0\nG1X2F60\n; third\nX3\n");
+}
+
+#[test]
+fn a_program_that_works_before_it_travels_is_led_to_its_start_first() {
+    let placing = Similarity::new(V2::new(100.0, 50.0), 0.0, 1.0);
+    let laser = "G21G90\nM4S500F600\nG1X10\nY10\n";
+    assert_eq!(rewritten(laser, placing, true, None), "G21G90G94G17G54M5S0\nM4S0\nG0X100Y50\nG1X110S500F600\nY60\n");
+    let servo = "G21G90\nM3S90\nG4P0.2\nG1X10F600\nM3S40\n";
+    assert_eq!(
+        rewritten(servo, placing, false, None),
+        "G21G90G94G17G54M5S0\nM3S90\nG4P0.2\nM5S0\nG0X100Y50\nM3S90\nG4P0.2\nG1X110F600\nM3S40\n"
+    );
+    let dot = "G21G90\nG1F600M3S9\nG4P0.5\nG0X5\n";
+    assert_eq!(rewritten(dot, placing, true, None), "G21G90G94G17G54M5S0\nM3S0\nG0X100Y50\nS9\nG4P0.5\nX105S0\n",);
+}
+
+#[test]
 fn what_only_the_machine_knows_is_refused_with_its_line() {
     for line in ["G28", "G53G0X0", "G55", "G10L20P1X0"] {
         let mut rewriter = Rewriter::new(P3::origin(), Similarity::identity(), true, None);

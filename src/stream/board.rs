@@ -21,6 +21,10 @@ pub struct Board {
     pub settings: BTreeMap<u16, f64>,
     /// Where work zero lies in machine coordinates, mm; `None` before the first report that says so.
     pub offset_mm: Option<[f64; 3]>,
+    /// G92 as it is in effect, mm, a part of `offset_mm`; `None` where the board has not told.
+    pub shift_mm: Option<[f64; 3]>,
+    /// The tool's length (G43.1) as it is in effect, mm, a part of `offset_mm` along z; `None` where the board has not told.
+    pub tool_length_mm: Option<f64>,
     /// It has been homed since it was opened, with this session.
     pub homed: bool,
     /// It started anew when its port was opened, or later: it takes where the head stood then for machine zero until it is homed.
@@ -37,6 +41,8 @@ impl Default for Board {
             rx_bytes: 128,
             settings: BTreeMap::new(),
             offset_mm: None,
+            shift_mm: None,
+            tool_length_mm: None,
             homed: false,
             restarted: false,
         }

@@ -10,7 +10,7 @@ use std::time::Duration;
 use super::board::Board;
 use super::ledger::Reached;
 use super::pace::Pace;
-use crate::gcode::{Action, Interpreter, Move, parse_line};
+use crate::gcode::{Action, Interpreter, Line, Move, parse_line};
 use crate::geom::{P3, V3};
 
 /// How far a report may lie beside the way beyond half a step and the chords of arcs, mm: three decimals in mm, four in inches.
@@ -68,6 +68,8 @@ struct Leg {
 pub(super) struct Course {
     /// `None` when where the program leads is known to the board only.
     interpreter: Option<Interpreter>,
+    /// What G92.1 and G49 would leave of work zero is known.
+    knows_shift: bool,
     legs: VecDeque<Leg>,
     /// Moves before the first of the legs.
     passed: u64,
@@ -93,6 +95,7 @@ impl Course {
             |number: u16, usual: f64| board.settings.get(&number).copied().filter(|v| *v > 0.0).unwrap_or(usual);
         Course {
             interpreter: interpreter(),
+            knows_shift: board.shift_mm.is_some() && board.tool_length_mm.is_some(),
             legs: VecDeque::new(),
             passed: 0,
             base: machine_mm.map_or(P3::origin(), P3::from),
@@ -105,21 +108,29 @@ impl Course {
         }
     }
 
+    /// What its lines leave in effect, and where they end; `None` when that is not known.
+    pub(super) fn end(&self) -> Option<&Interpreter> {
+        self.interpreter.as_ref()
+    }
+
     /// The modes its lines leave in effect; `None` when that is not known.
     pub(super) fn modes(self) -> Option<Interpreter> {
         self.interpreter
     }
 
-    /// A line was sent.
+    /// A line was sent. What it makes the board do when nobody knows where it leads is surely nothing: it may lead to where the head stands.
     pub(super) fn sent(&mut self, number: usize, text: &str) -> Effect {
-        let Some(interpreter) = &mut self.interpreter else { return unfollowed(text) };
-        let line =
-            parse_line(text, number).ok().filter(|line| !text.starts_with('$') && line.leads_elsewhere().is_none());
-        let Some(moves) = line.and_then(|line| interpreter.line(&line).ok()) else {
+        let Some(interpreter) = &mut self.interpreter else { return Effect::default() };
+        let leads_elsewhere =
+            |line: &Line| line.leads_elsewhere().is_some() || !self.knows_shift && line.clears_shift();
+        let line = parse_line(text, number).ok().filter(|line| !text.starts_with('$') && !leads_elsewhere(line));
+        let moves = line.and_then(|line| interpreter.line(&line).ok());
+        interpreter.round_as_board();
+        let Some(moves) = moves else {
             // The board will refuse it, or goes where only it knows.
             self.interpreter = None;
             self.legs.clear();
-            return unfollowed(text);
+            return Effect::default();
         };
         let mut effect = Effect::default();
         let mut before_mm = 0.0;
@@ -184,6 +195,11 @@ impl Course {
         self.pace.crawls(seen.nth, &leg.way, seen.along_mm, now).then_some(leg.line)
     }
 
+    /// The head stands for a reason of its own: at an open door, say.
+    pub(super) fn rests(&mut self) {
+        self.pace.rests();
+    }
+
     /// How far the reports say that the job has come at least.
     pub(super) fn reached(&self) -> Option<Reached> {
         let sure = self.sure.filter(|sure| sure.nth == self.passed)?;
@@ -205,8 +221,12 @@ impl Course {
                 return Some(Spot { nth, along_mm: 0.0 });
             }
             let (t, off_mm) = leg.way.nearest(at);
-            let along_mm = t * leg.way.length_mm();
-            if off_mm <= limit_mm && !behind(along_mm) {
+            let length_mm = leg.way.length_mm();
+            // Of a full circle that was seen to be cut it is the end, and not the start that is nearest too.
+            let places = [(t * length_mm, off_mm), (length_mm, (at - leg.way.to).norm())];
+            if let Some((along_mm, _)) =
+                places.into_iter().find(|(along_mm, off_mm)| *off_mm <= limit_mm && !behind(*along_mm))
+            {
                 return Some(Spot { nth, along_mm });
             }
         }
@@ -259,12 +279,6 @@ impl Course {
             self.passed += 1;
         }
     }
-}
-
-/// What a line makes the board do when nobody knows where it leads: words of an axis are taken to move it.
-fn unfollowed(text: &str) -> Effect {
-    let moves = !text.starts_with('$') && text.contains(['X', 'Y', 'Z']);
-    Effect { blocks: usize::from(moves), rests: false }
 }
 
 #[cfg(test)]
@@ -346,6 +360,54 @@ mod tests {
     }
 
     #[test]
+    fn a_circle_that_is_cut_and_waits_at_its_end_has_not_left_its_way() {
+        let mut course = course(&["G1X60Y50F1000", "G2X60Y50I-10J0", "G4P2"]);
+        course.carried_out(1);
+        assert_eq!(reached(&mut course, 60.0, 50.0), Some((2, 0.0)), "the start, before it was seen elsewhere");
+        let (line, along_mm) = reached(&mut course, 50.0, 40.0).unwrap();
+        assert!(line == 2 && (along_mm - 5.0 * std::f64::consts::PI).abs() < 0.01, "{along_mm}");
+        let (line, along_mm) = reached(&mut course, 60.0, 50.0).unwrap();
+        assert!(line == 2 && (along_mm - 20.0 * std::f64::consts::PI).abs() < 0.01, "{along_mm}");
+    }
+
+    #[test]
+    fn small_steps_lose_what_the_board_loses() {
+        let mut course = course(&["G0X-200", "G91G1F1000"]);
+        // Rows of 440 steps of 0.1 mm and a way back, added up in single precision.
+        let mut x = -300.0_f32;
+        for row in 0..30 {
+            for k in 0..440 {
+                course.sent(3 + row * 441 + k, "X0.1");
+                x += 0.1;
+            }
+            course.sent(3 + row * 441 + 440, "X-44");
+            x -= 44.0;
+        }
+        assert!((f64::from(x) + 300.0).abs() > 2.0 * course.limit_mm(), "{x}");
+        course.carried_out(3 + 30 * 441 - 1);
+        assert_eq!(course.located([f64::from(x), -50.0, 0.0]), Ok(()));
+        assert_eq!(course.located([f64::from(x), -50.0, 0.0]), Ok(()));
+    }
+
+    #[test]
+    fn what_is_cleared_of_work_zero_is_followed_where_it_is_known() {
+        let offset_mm = Some([-100.0, -50.0, 3.0]);
+        let told = Board { offset_mm, shift_mm: Some([20.0, 0.0, 0.0]), tool_length_mm: Some(3.0), ..Board::default() };
+        let mut modes = Interpreter::new(P3::origin(), [V3::zeros(); 6], [P3::origin(); 2]);
+        modes.set_shift(V3::new(20.0, 0.0, 0.0), 3.0);
+        let mut followed = Course::new(Some(&modes), Some([-100.0, -50.0, 3.0]), &told);
+        for (k, line) in ["G92.1", "G49", "G0X5Z0"].into_iter().enumerate() {
+            followed.sent(k + 1, line);
+        }
+        assert_eq!(followed.end().map(Interpreter::position), Some(P3::new(-115.0, -50.0, 0.0)));
+        for line in ["G92.1", "G49"] {
+            let mut course = Course::new(Some(&modes), Some([0.0; 3]), &Board { offset_mm, ..Board::default() });
+            course.sent(1, line);
+            assert_eq!(course.end().map(Interpreter::position), None, "{line}");
+        }
+    }
+
+    #[test]
     fn blocks_are_those_that_are_surely_made() {
         let mut course = course(&[]);
         let mut effect = |text: &str| course.sent(1, text);
@@ -368,6 +430,7 @@ mod tests {
             assert_eq!(course.located([400.0, 0.0, 0.0]), Ok(()));
             assert_eq!(course.located([400.0, 0.0, 0.0]), Ok(()), "{line}");
             assert_eq!(course.reached(), None);
+            assert_eq!(course.sent(4, "G1X30"), Effect::default(), "it may stand there already");
         }
     }
 }

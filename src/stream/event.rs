@@ -15,8 +15,6 @@ pub enum Command {
     Run {
         /// Its lines.
         lines: Lines,
-        /// Where the tool must stand at its end, mm in work coordinates, when that is known.
-        ends_at_mm: Option<[f64; 2]>,
     },
     /// Let the board read a program in its check mode (`$C`): nothing moves or burns. Every line it refuses is told as an [`Event::Trouble`]; the
     /// outcome is [`Outcome::Done`] when it takes all of them. Lines that begin with `$` or would write the board's memory are not

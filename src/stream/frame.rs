@@ -108,9 +108,12 @@ impl Frame {
         lines
     }
 
-    /// The dark way to a place, mm in work coordinates.
-    pub fn way_to(place_mm: [f64; 2]) -> Vec<String> {
-        vec!["G21G90G54".to_owned(), "M5S0".to_owned(), format!("G0X{:.3}Y{:.3}", place_mm[0], place_mm[1])]
+    /// The dark way to a place, mm in work coordinates; a tool with a height is lifted to where it travels first, mm in work coordinates.
+    pub fn way_to(place_mm: [f64; 2], up_mm: Option<f64>) -> Vec<String> {
+        let mut lines = ["G21G90G94G17G54", "M5S0"].map(str::to_owned).to_vec();
+        lines.extend(up_mm.map(|up_mm| format!("G0Z{up_mm:.3}")));
+        lines.push(format!("G0X{:.3}Y{:.3}", place_mm[0], place_mm[1]));
+        lines
     }
 }
 
@@ -156,6 +159,14 @@ mod tests {
         let bounds = extent.hull().unwrap().bounds();
         let far = [bounds.min.x - 50.0, bounds.max.x - 150.0, bounds.min.y - 30.0, bounds.max.y - 130.0];
         assert!(far.iter().all(|d| d.abs() < 0.01), "{bounds:?}");
+    }
+
+    #[test]
+    fn a_tool_with_a_height_is_lifted_before_it_goes_across() {
+        let moves = trace(&parse(&Frame::way_to([5.0, 6.0], Some(3.0)).join("\n")).unwrap()).unwrap();
+        let ends: Vec<[f64; 3]> = moves.iter().map(|m| m.to.into()).collect();
+        assert_eq!(ends, [[0.0, 0.0, 3.0], [5.0, 6.0, 3.0]]);
+        assert!(!Frame::way_to([5.0, 6.0], None).concat().contains('Z'));
     }
 
     #[test]

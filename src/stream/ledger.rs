@@ -37,7 +37,7 @@ pub struct Reached {
     pub along_mm: f64,
 }
 
-/// A line that is accepted and not surely carried out.
+/// A line that is accepted and not surely carried out, or the last of several that ask for no block.
 #[derive(Debug, Clone, Copy)]
 struct Accepted {
     line: usize,
@@ -81,7 +81,11 @@ impl Ledger {
     pub(super) fn accepted(&mut self, line: usize, effect: Effect, most: usize) {
         self.believe_rest();
         self.progress.acked = line;
-        self.accepted.push_back(Accepted { line, blocks: effect.blocks });
+        match self.accepted.back_mut() {
+            // Lines that ask for nothing are done together; of a program nobody can follow there are any number.
+            Some(last) if last.blocks == 0 && effect.blocks == 0 => last.line = line,
+            _ => self.accepted.push_back(Accepted { line, blocks: effect.blocks }),
+        }
         self.blocks += effect.blocks;
         self.rested = effect.rests.then_some(line);
         self.carry_out(self.done_but(most));
@@ -239,5 +243,11 @@ mod tests {
             ledger.accepted(line, MOVES, 20);
             assert!(ledger.held() <= 20);
         }
+        for line in 100_000..200_000 {
+            ledger.accepted(line, NOTHING, 20);
+            assert!(ledger.held() <= 21 && ledger.progress().executed < 100_000);
+        }
+        ledger.agreed();
+        assert_eq!(ledger.progress().executed, 199_999);
     }
 }

@@ -270,7 +270,7 @@ mod tests {
 
     fn job(link: &Link, n: usize) {
         let lines = Box::new((0..n).map(|k| Ok(format!("G1X{k}F1000"))));
-        link.command(Command::Run { lines, ends_at_mm: None });
+        link.command(Command::Run { lines });
     }
 
     #[test]

@@ -30,8 +30,8 @@ pub struct Demand {
     pub constant_beam: Option<usize>,
     /// The greatest S word in effect with the beam on.
     pub max_s: f64,
-    /// Where the tool stands at the end, mm in work coordinates; `None` when nothing moves.
-    pub ends_at_mm: Option<[f64; 2]>,
+    /// Something moves.
+    pub moves: bool,
 }
 
 /// What to do about a finding.
@@ -59,7 +59,7 @@ pub struct Finding {
 impl Default for Demand {
     /// Nothing is asked for.
     fn default() -> Demand {
-        Demand { bounds: Rect::EMPTY, constant_beam: None, max_s: 0.0, ends_at_mm: None }
+        Demand { bounds: Rect::EMPTY, constant_beam: None, max_s: 0.0, moves: false }
     }
 }
 
@@ -75,10 +75,9 @@ impl Demand {
     pub fn add(&mut self, m: &Move) {
         if m.goes() {
             self.bounds = self.bounds.with(m.to.xy());
-            if self.ends_at_mm.is_some() {
+            if std::mem::replace(&mut self.moves, true) {
                 self.bounds = self.bounds.union(m.bounds());
             }
-            self.ends_at_mm = Some([m.to.x, m.to.y]);
         }
         if m.beam != Beam::Off {
             self.max_s = self.max_s.max(m.power_s);
@@ -237,7 +236,6 @@ mod tests {
     #[test]
     fn a_board_in_order_meets_no_objection() {
         assert!(codes(&demand(JOB), Some("diode-400"), &good()).is_empty());
-        assert_eq!(demand(JOB).ends_at_mm, Some([0.0, 0.0]));
     }
 
     #[test]

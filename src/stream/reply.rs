@@ -38,6 +38,10 @@ pub(super) enum Reply {
     Message(String),
     /// `[GC:...]` of `$G`: the modes in effect, as words.
     Modes(String),
+    /// `[G92:x,y,z]` of `$#`, mm.
+    Shift([f64; 3]),
+    /// `[TLO:z]` of `$#`, mm; of three axes that of the tool.
+    ToolLength(f64),
     /// `>LINE:ok`: a line the board keeps has been carried out.
     Startup(String),
     /// Any other answer, for people.
@@ -98,7 +102,7 @@ impl Reply {
         } else if let Some(startup) = line.strip_prefix('>').and_then(|l| l.strip_suffix(":ok")) {
             Reply::Startup(startup.to_owned())
         } else if let Some(inside) = line.strip_prefix('[').and_then(|l| l.strip_suffix(']')) {
-            bracketed(inside).unwrap_or_else(text)
+            bracketed(inside, inches).unwrap_or_else(text)
         } else {
             text()
         })
@@ -127,11 +131,24 @@ fn setting_of(text: &str) -> Option<Reply> {
     Some(Reply::Setting(number.parse().ok()?, value.parse().ok()?))
 }
 
-fn bracketed(inside: &str) -> Option<Reply> {
+fn bracketed(inside: &str, inches: bool) -> Option<Reply> {
     let (key, value) = inside.split_once(':')?;
+    let unit_mm = if inches { 25.4 } else { 1.0 };
+    let lengths_mm = || -> Vec<f64> {
+        let lengths: Option<Vec<f64>> = value.split(',').map(|number| number.trim().parse().ok()).collect();
+        lengths.unwrap_or_default().iter().map(|length| length * unit_mm).collect()
+    };
     match key {
         "MSG" => Some(Reply::Message(value.to_owned())),
         "GC" => Some(Reply::Modes(value.to_owned())),
+        "G92" => match lengths_mm()[..] {
+            [x, y, z, ..] => Some(Reply::Shift([x, y, z])),
+            _ => None,
+        },
+        "TLO" => match lengths_mm()[..] {
+            [z] | [_, _, z, ..] => Some(Reply::ToolLength(z)),
+            _ => None,
+        },
         "FIRMWARE" if value == "grblHAL" => Some(Reply::Firmware(Firmware::GrblHal)),
         "VER" => Some(Reply::Version(value.trim_end_matches(':').to_owned())),
         "OPT" => {
@@ -184,5 +201,9 @@ mod tests {
         assert_eq!(read("[MSG:'$H'|'$X' to unlock]"), Some(Reply::Message("'$H'|'$X' to unlock".into())));
         assert_eq!(read("[FIRMWARE:grblHAL]"), Some(Reply::Firmware(Firmware::GrblHal)));
         assert_eq!(read("ALARM:2"), Some(Reply::Alarm(2)));
+        assert_eq!(read("[G92:1.000,-2.500,0.000]"), Some(Reply::Shift([1.0, -2.5, 0.0])));
+        assert_eq!(Reply::parse("[TLO:0.500]", true), Some(Reply::ToolLength(12.7)));
+        assert_eq!(read("[TLO:0.000,0.000,1.500]"), Some(Reply::ToolLength(1.5)));
+        assert_eq!(read("[G92:1.000]"), Some(Reply::Text("[G92:1.000]".into())));
     }
 }

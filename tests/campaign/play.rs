@@ -105,9 +105,6 @@ impl Kin {
 /// Where work zero lies in machine coordinates, mm.
 const ZERO: V3 = V3::new(-90.0, -90.0, 0.0);
 
-/// Where the job ends, work coordinates, mm.
-const END: [f64; 2] = [0.0, 0.0];
-
 /// Burnt paths may stray from the plan so far, mm.
 pub const STRAY_MM: f64 = 0.1;
 
@@ -204,7 +201,7 @@ impl Sound {
             let mut rig = Rig::homed(Board::new(kin.hardware(1)));
             start_mm = rig.status.as_ref().and_then(|s| s.work_mm).map_or(start_mm, P3::from);
             let began_s = rig.now_s;
-            rig.send(&text, END);
+            rig.send(&text);
             assert!(rig.until(60.0, |rig| rig.ending.is_some()), "{:?}", rig.status);
             assert_eq!(rig.ending.as_ref().map(|e| &e.outcome), Some(&Outcome::Done), "{:?}", rig.ending);
             light = light_s(rig.board.trace());
@@ -268,7 +265,7 @@ pub fn play(seed: u64, sound: &Sound) -> Run {
         departed: 0,
         broken: Vec::new(),
     };
-    rig.send(&sound.text, END);
+    rig.send(&sound.text);
     follow(&mut rig, &mut run, sound, strikes_s, &mut random);
     let progress = rig.ending.as_ref().map_or(rig.progress, |ending| ending.progress);
     // What the board holds it carries out.
@@ -441,7 +438,7 @@ fn take_up(
     }
     rig.reopen();
     rig.board.take_trace();
-    rig.send(&(rest.join("\n") + "\n"), END);
+    rig.send(&(rest.join("\n") + "\n"));
     if !rig.until(120.0, |rig| rig.ending.is_some()) {
         run.broken.push("what was taken up does not end".to_owned());
         return;

@@ -144,10 +144,10 @@ impl Rig {
     }
 
     /// Begins to send a program that ends where it says.
-    pub fn send(&mut self, text: &str, ends_at_mm: [f64; 2]) {
+    pub fn send(&mut self, text: &str) {
         let lines: Vec<String> = text.lines().map(str::to_owned).collect();
         let lines = Box::new(lines.into_iter().map(Ok));
-        self.command(Command::Run { lines, ends_at_mm: Some(ends_at_mm) });
+        self.command(Command::Run { lines });
     }
 
     /// The system notices that the port is gone.

@@ -53,7 +53,7 @@ pub const CASES: &[Case] = &[
             let burnt_mm = stage.burnt_mm();
             stage.ready();
             stage.served.with(|board, _| assert!(board.position_mm().x == 0.0 && board.head_mm().x > 1.0));
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.send(SQUARE);
             stage.done(burnt_mm + 8.0);
         },
     },
@@ -74,7 +74,7 @@ pub const CASES: &[Case] = &[
         board: limited,
         play: |stage| {
             stage.ready();
-            stage.send("M4S500\nG1X50Y50F6000\nX95\nX50\n", None);
+            stage.send("M4S500\nG1X50Y50F6000\nX95\nX50\n");
             assert!(matches!(stage.trouble(), Trouble::Alarm { code: 2, .. }));
             stage.board_is(furbelow::emulator::State::Alarm);
         },
@@ -85,7 +85,7 @@ pub const CASES: &[Case] = &[
         play: |stage| {
             stage.ready();
             stage.strike(Fault::StuckOk(1));
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.send(SQUARE);
             let trouble = stage.trouble();
             assert!(matches!(trouble, Trouble::LostAnswer { lines: 1, .. }), "{trouble:?}");
         },
@@ -96,7 +96,7 @@ pub const CASES: &[Case] = &[
         play: |stage| {
             stage.ready();
             let strokes: String = (1..=60).map(|k| format!("G1X{}F1200\n", 2 + k % 2)).collect();
-            stage.send(&format!("M4S500\nG0X2\n{strokes}M5S0\n"), None);
+            stage.send(&format!("M4S500\nG0X2\n{strokes}M5S0\n"));
             stage.lit();
             // The answers and reports of a moment.
             stage.strike(Fault::DropOut(120));
@@ -110,7 +110,7 @@ pub const CASES: &[Case] = &[
         play: |stage| {
             stage.ready();
             stage.strike(Fault::TornLine);
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.send(SQUARE);
             let trouble = stage.trouble();
             let noticed =
                 matches!(trouble, Trouble::LostAnswer { .. } | Trouble::Refused { .. } | Trouble::OffPlan { .. });
@@ -156,7 +156,7 @@ pub const CASES: &[Case] = &[
         board: plain,
         play: |stage| {
             stage.ready();
-            stage.send("M4S500\nG1X300F1200\n", None);
+            stage.send("M4S500\nG1X300F1200\n");
             stage.lit();
             stage.strike(Fault::DropOut(u32::MAX));
             let ending = stage.ending();

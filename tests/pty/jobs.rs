@@ -10,7 +10,7 @@ pub const CASES: &[Case] = &[
         board: plain,
         play: |stage| {
             stage.ready();
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.send(SQUARE);
             stage.done(8.0);
         },
     },
@@ -20,7 +20,7 @@ pub const CASES: &[Case] = &[
         play: |stage| {
             stage.ready();
             for k in 1..=3 {
-                stage.send(SQUARE, Some([0.0, 0.0]));
+                stage.send(SQUARE);
                 stage.done(8.0 * f64::from(k));
             }
         },
@@ -71,7 +71,7 @@ pub const CASES: &[Case] = &[
             assert!(ending.outcome == Outcome::Stopped && ending.position_kept && ending.beam_off, "{ending:?}");
             assert!(stage.burnt_mm() < 40.0);
             stage.state(State::Idle);
-            stage.send("G1X0F6000\n", Some([0.0, 0.0]));
+            stage.send("G1X0F6000\n");
             assert_eq!(stage.ending().outcome, Outcome::Done);
         },
     },
@@ -89,7 +89,7 @@ pub const CASES: &[Case] = &[
         board: plain,
         play: |stage| {
             stage.ready();
-            stage.send(&LONG_CUT.replace("M4", "M3"), None);
+            stage.send(&LONG_CUT.replace("M4", "M3"));
             stage.lit();
             stage.give(Command::Stop);
             stage.dark_soon();
@@ -131,7 +131,7 @@ pub const CASES: &[Case] = &[
         play: |stage| {
             stage.ready();
             let short = "G1X1F600\nX2\nX3\nG5\nX4\nX5\n";
-            stage.send(&format!("M4S500\n{short}"), None);
+            stage.send(&format!("M4S500\n{short}"));
             let trouble = stage.trouble();
             assert!(matches!(trouble, Trouble::Refused { line: 5, code: 20, .. }), "{trouble:?}");
         },
@@ -141,7 +141,7 @@ pub const CASES: &[Case] = &[
         board: plain,
         play: |stage| {
             stage.ready();
-            stage.send("G1X1F6000\nG1X2?\n", None);
+            stage.send("G1X1F6000\nG1X2?\n");
             assert_eq!(stage.trouble(), Trouble::Unsendable { line: 2, found: '?' });
         },
     },
@@ -151,17 +151,8 @@ pub const CASES: &[Case] = &[
         play: |stage| {
             stage.ready();
             let broken = [Ok("G1X1F6000".to_owned()), Err(std::io::Error::other("the disk is gone"))];
-            stage.give(Command::Run { lines: Box::new(broken.into_iter()), ends_at_mm: None });
+            stage.give(Command::Run { lines: Box::new(broken.into_iter()) });
             assert!(matches!(stage.trouble(), Trouble::Unreadable { line: 2, .. }));
-        },
-    },
-    Case {
-        name: "an end in the wrong place is no success",
-        board: plain,
-        play: |stage| {
-            stage.ready();
-            stage.send(SQUARE, Some([5.0, 0.0]));
-            assert!(matches!(stage.trouble(), Trouble::WrongPlace { .. }));
         },
     },
     Case {
@@ -169,7 +160,7 @@ pub const CASES: &[Case] = &[
         board: plain,
         play: |stage| {
             stage.ready();
-            stage.send("G1X1F6000\nM0\nX2\n", Some([2.0, 0.0]));
+            stage.send("G1X1F6000\nM0\nX2\n");
             stage.state(State::Hold(0));
             std::thread::sleep(std::time::Duration::from_millis(1000));
             stage.give(Command::Resume);
@@ -181,7 +172,7 @@ pub const CASES: &[Case] = &[
         board: plain,
         play: |stage| {
             stage.ready();
-            stage.send("G1X1F6000\nG4P1.5\nX2\n", Some([2.0, 0.0]));
+            stage.send("G1X1F6000\nG4P1.5\nX2\n");
             assert_eq!(stage.ending().outcome, Outcome::Done);
         },
     },
@@ -191,7 +182,7 @@ pub const CASES: &[Case] = &[
         play: |stage| {
             stage.ready();
             let shifts: String = (1..=4).map(|k| format!("G10L2P1X{k}.3Y-{k}.7\nG1X1F6000\nX2\nX3\nX1\n")).collect();
-            stage.send(&format!("{shifts}G10L2P1X0Y0\nG0X0Y0\n"), Some([0.0, 0.0]));
+            stage.send(&format!("{shifts}G10L2P1X0Y0\nG0X0Y0\n"));
             assert_eq!(stage.ending().outcome, Outcome::Done);
             stage.served.with(|board, _| assert_eq!(board.bytes_lost(), 0));
         },
@@ -203,7 +194,7 @@ pub const CASES: &[Case] = &[
             stage.ready();
             stage.order(Command::Line("$C".into()), None);
             stage.state(State::Check);
-            stage.send("G1X5F600\nG5\n", None);
+            stage.send("G1X5F600\nG5\n");
             assert!(matches!(stage.trouble(), Trouble::Refused { line: 2, code: 20, .. }));
             stage.served.with(|board, _| assert_eq!(board.position_mm().x, 0.0));
         },
@@ -215,7 +206,7 @@ pub const CASES: &[Case] = &[
             stage.ready();
             stage.order(Command::Line("$C".into()), None);
             stage.state(State::Check);
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.send(SQUARE);
             assert_eq!(stage.ending().outcome, Outcome::Done);
             assert_eq!(stage.burnt_mm(), 0.0);
             stage.give(Command::Line("$C".into()));
@@ -239,7 +230,7 @@ pub const CASES: &[Case] = &[
         board: || board_with(&[(13, 1.0), (10, 2.0)]),
         play: |stage| {
             stage.ready();
-            stage.send("G21\nM4S500\nG1X25.4F6000\nM5\n", Some([25.4, 0.0]));
+            stage.send("G21\nM4S500\nG1X25.4F6000\nM5\n");
             stage.done(25.4);
         },
     },

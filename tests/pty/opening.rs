@@ -45,7 +45,7 @@ pub const CASES: &[Case] = &[
         play: |stage| {
             stage.ready();
             knows(stage, Firmware::GrblHal, 1024);
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.send(SQUARE);
             stage.done(8.0);
         },
     },
@@ -64,7 +64,7 @@ pub const CASES: &[Case] = &[
         play: |stage| {
             stage.ready();
             knows(stage, Firmware::FluidNc, 128);
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.send(SQUARE);
             stage.done(8.0);
         },
     },
@@ -85,7 +85,7 @@ pub const CASES: &[Case] = &[
             stage.ready();
             let second = Address::Device(stage.served.path().to_owned()).open(115_200);
             assert!(second.is_err());
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.send(SQUARE);
             stage.done(8.0);
         },
     },
@@ -98,7 +98,7 @@ pub const CASES: &[Case] = &[
                 stage.close();
             }
             stage.ready();
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.send(SQUARE);
             stage.done(8.0);
         },
     },

@@ -24,7 +24,7 @@ pub const CASES: &[Case] = &[
             stage.give(Command::JogCancel);
             let status = stage.status("rest", |s| s.state == State::Idle);
             assert!(status.machine_mm.is_some_and(|p| p[0] < 250.0));
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.send(SQUARE);
             stage.done(8.0);
         },
     },
@@ -44,7 +44,7 @@ pub const CASES: &[Case] = &[
             stage.ready();
             stage.give(Command::Jog { dx_mm: 100.0, dy_mm: 0.0, feed_mm_per_min: 1200.0 });
             stage.state(State::Jog);
-            stage.denied(Command::Run { lines: Box::new(std::iter::empty()), ends_at_mm: None });
+            stage.denied(Command::Run { lines: Box::new(std::iter::empty()) });
             stage.give(Command::JogCancel);
             stage.state(State::Idle);
         },
@@ -56,7 +56,7 @@ pub const CASES: &[Case] = &[
             stage.ready();
             stage.order(Command::Home, None);
             stage.status("home", |s| s.state == State::Idle && s.machine_mm.is_some_and(|p| p[0] == -2.0));
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.send(SQUARE);
             stage.done(8.0);
         },
     },
@@ -81,9 +81,9 @@ pub const CASES: &[Case] = &[
             stage.ready();
             stage.order(Command::Sleep, None);
             stage.state(State::Sleep);
-            stage.denied(Command::Run { lines: Box::new(std::iter::empty()), ends_at_mm: None });
+            stage.denied(Command::Run { lines: Box::new(std::iter::empty()) });
             stage.restart();
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.send(SQUARE);
             stage.done(8.0);
         },
     },
@@ -94,10 +94,10 @@ pub const CASES: &[Case] = &[
             stage.open();
             stage.event("ready", |e| matches!(e, Event::Ready(_)));
             stage.state(State::Alarm);
-            stage.denied(Command::Run { lines: Box::new(std::iter::empty()), ends_at_mm: None });
+            stage.denied(Command::Run { lines: Box::new(std::iter::empty()) });
             stage.order(Command::Unlock, None);
             stage.state(State::Idle);
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.send(SQUARE);
             stage.done(8.0);
         },
     },
@@ -111,7 +111,7 @@ pub const CASES: &[Case] = &[
             stage.denied(Command::Unlock);
             stage.served.with(|board, _| board.set_switch(0, false));
             stage.restart();
-            stage.send(SQUARE, Some([0.0, 0.0]));
+            stage.send(SQUARE);
             stage.done(8.0);
         },
     },
@@ -123,7 +123,7 @@ pub const CASES: &[Case] = &[
             stage.order(jog(5.0), None);
             stage.state(State::Idle);
             stage.order(Command::Line("G10L20P1X0Y0".into()), None);
-            stage.send("G1X1F6000\n", Some([1.0, 0.0]));
+            stage.send("G1X1F6000\n");
             assert_eq!(stage.ending().outcome, Outcome::Done);
             stage.served.with(|board, _| assert!((board.position_mm().x - 6.0).abs() < 1e-9));
         },

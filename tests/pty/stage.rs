@@ -105,9 +105,9 @@ impl Stage {
         self.link.as_ref().unwrap().command(command);
     }
 
-    pub fn send(&mut self, text: &str, ends_at_mm: Option<[f64; 2]>) {
+    pub fn send(&mut self, text: &str) {
         let lines: Vec<String> = text.lines().map(str::to_owned).collect();
-        self.give(Command::Run { lines: Box::new(lines.into_iter().map(Ok)), ends_at_mm });
+        self.give(Command::Run { lines: Box::new(lines.into_iter().map(Ok)) });
     }
 
     fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
@@ -189,7 +189,7 @@ impl Stage {
     /// In the middle of the long cut.
     pub fn cutting(&mut self) {
         self.ready();
-        self.send(LONG_CUT, None);
+        self.send(LONG_CUT);
         self.lit();
     }
 

@@ -117,9 +117,9 @@ impl Bench {
         self.act(actions);
     }
 
-    pub fn run(&mut self, text: &str, ends_at_mm: Option<[f64; 2]>) {
+    pub fn run(&mut self, text: &str) {
         let lines: Vec<String> = text.lines().map(str::to_owned).collect();
-        self.command(Command::Run { lines: Box::new(lines.into_iter().map(Ok)), ends_at_mm });
+        self.command(Command::Run { lines: Box::new(lines.into_iter().map(Ok)) });
     }
 
     /// Lit longer than it takes to brake and 50 ms after the board was halted: when, s.

@@ -12,7 +12,7 @@ fn long_job() -> String {
 }
 
 fn runs_whole(mut bench: Bench) -> Bench {
-    bench.run(&long_job(), None);
+    bench.run(&long_job());
     assert!(bench.until(200.0, |b| b.ending.is_some()));
     assert_eq!(bench.ending.as_ref().map(|e| &e.outcome), Some(&Outcome::Done));
     assert_eq!(bench.board.bytes_lost(), 0);
@@ -74,7 +74,7 @@ fn what_a_board_says_by_itself_is_told_and_nothing_else() {
     let mut bench = Bench::new(Board::new(BoardSettings::fluid_nc()));
     bench.get_ready();
     bench.board.schedule(When::At(bench.now_s + 0.5), Fault::Chatter(3));
-    bench.run(&long_job(), None);
+    bench.run(&long_job());
     assert!(bench.until(200.0, |b| b.ending.is_some()));
     assert_eq!(bench.ending.as_ref().map(|e| &e.outcome), Some(&Outcome::Done));
     let told = bench.events.iter().filter(|e| matches!(e, Event::Message(m) if m.starts_with("INFO: heap"))).count();

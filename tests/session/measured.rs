@@ -18,7 +18,7 @@ const JOBS: [(&str, &str); 5] = [
 fn the_measured_jobs_arrive_whole_and_are_burnt_as_they_are_written() {
     for (name, text) in JOBS {
         let mut bench = Bench::ready(BoardSettings::default());
-        bench.run(text, None);
+        bench.run(text);
         assert!(bench.until(400.0, |b| b.ending.is_some()), "{name} does not end");
         let ending = bench.ending.clone().expect("ended");
         assert_eq!(ending.outcome, Outcome::Done, "{name}: {ending:?}");
@@ -39,7 +39,7 @@ fn segments_of_a_fifth_of_a_millimetre_hold_their_feed() {
     let at = |k: u32| segment_mm * f64::from(k) / 50.0;
     let lines: String = (1..=2000).map(|k| format!("X{:.3}Y{:.3}\n", 50.0 * at(k).cos(), 50.0 * at(k).sin())).collect();
     let mut bench = Bench::ready(BoardSettings::default());
-    bench.run(&format!("M4S500\nG0X50Y0\nG1F{feed}\n{lines}"), None);
+    bench.run(&format!("M4S500\nG0X50Y0\nG1F{feed}\n{lines}"));
     assert!(bench.until(100.0, |b| b.ending.is_some()));
     let lit_s: f64 = bench.board.trace().iter().filter(|s| s.is_lit()).map(|s| s.end_s - s.start_s).sum();
     let share = 2000.0 * segment_mm * 60.0 / lit_s / feed;
@@ -50,7 +50,7 @@ fn segments_of_a_fifth_of_a_millimetre_hold_their_feed() {
 fn a_stop_brakes_and_darkens_and_keeps_the_position() {
     for after_s in [3.0, 7.3, 11.9] {
         let mut bench = Bench::ready(BoardSettings::default());
-        bench.run(JOBS[0].1, None);
+        bench.run(JOBS[0].1);
         bench.wait(after_s);
         bench.command(Command::Stop);
         let asked_s = bench.now_s;

@@ -203,7 +203,7 @@ impl Fleet<'_> {
         let (mut keeping, lines) = Keeping::take_up(program, head, None)?;
         let number = keeping.number().map_or(String::new(), |number| format!(", job {number}"));
         self.tell(member, Some(k), "sheet", &format!("{}{number}", program.name()))?;
-        link.command(Command::Run { lines, ends_at_mm: program.survey.demand.ends_at_mm });
+        link.command(Command::Run { lines });
         let ending = self.follow(member, k, link, &mut keeping, status)?;
         keeping.ends(&ending);
         self.tell(member, Some(k), "sheet-end", &ending.account())?;

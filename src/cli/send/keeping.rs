@@ -1,6 +1,5 @@
-//! The journal of what is being sent. A job goes on without it when it cannot be written: then it only cannot be picked up again.
+//! The journal of what is being sent. A job goes on though it cannot be written: then only it cannot be picked up again, or not from where it came to.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
@@ -17,7 +16,9 @@ pub(super) struct Keeping {
     recorder: Option<Recorder>,
     began: Instant,
     progress: Progress,
+    /// Why it is not kept as it should be, not told yet; and that it was told once.
     complaint: Option<JournalError>,
+    complained: bool,
 }
 
 impl Keeping {
@@ -33,19 +34,16 @@ impl Keeping {
         head.began_unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
         head.crosses_mm = program.crosses_mm;
         head.resumes = before.map(|record| record.number);
-        let mut keeping =
-            Keeping { recorder: None, began: Instant::now(), progress: Progress::default(), complaint: None };
+        let mut keeping = Keeping {
+            recorder: None,
+            began: Instant::now(),
+            progress: Progress::default(),
+            complaint: None,
+            complained: false,
+        };
         // What is wrong with the program itself shows here, before the journal is blamed.
         let lines = program.open()?;
-        let taken_up = jobs::journal().and_then(|journal| {
-            let recorder = journal.begin(head, lines)?;
-            if let Some(before) = before {
-                before.resumed(recorder.number())?;
-            }
-            let path = recorder.program();
-            let file = File::open(&path).map_err(|source| JournalError::File { path, source })?;
-            Ok((recorder, file))
-        });
+        let taken_up = jobs::journal().and_then(|journal| journal.begin(head, lines, before));
         match taken_up {
             Ok((recorder, file)) => {
                 keeping.recorder = Some(recorder);
@@ -76,13 +74,19 @@ impl Keeping {
 
     /// It is over.
     pub(super) fn ends(&mut self, ending: &Ending) {
+        // That its end is not kept is worth a word of its own.
+        self.complained = false;
         self.note(Note::of_ending(self.t_s(), ending));
     }
 
-    /// Why the journal is not kept any more, told once.
+    /// Why the journal is not kept as it should be, told once.
     pub(super) fn complaint(&mut self) -> Option<String> {
         let error = self.complaint.take()?;
-        Some(format!("the journal cannot be written ({error}): this job cannot be resumed later"))
+        let so = match self.recorder {
+            Some(_) => "what it knows of this job is behind until it can",
+            None => "this job cannot be resumed later",
+        };
+        Some(format!("the journal cannot be written ({error}): {so}"))
     }
 
     fn t_s(&self) -> f64 {
@@ -91,7 +95,10 @@ impl Keeping {
 
     fn note(&mut self, note: Note) {
         if let Some(Err(error)) = self.recorder.as_mut().map(|recorder| recorder.note(&note)) {
-            (self.recorder, self.complaint) = (None, Some(error));
+            // It is tried again with every note: room may be made meanwhile, and what matters most is the last one.
+            if !std::mem::replace(&mut self.complained, true) {
+                self.complaint = Some(error);
+            }
         }
     }
 }
@@ -111,7 +118,7 @@ impl Sending<'_> {
         Keeping::take_up(program, head, self.resumes.as_ref())
     }
 
-    /// Says when the journal is not kept any more.
+    /// Says when the journal is not kept as it should be.
     pub(super) fn heed(&self, keeping: &mut Keeping) -> Result<(), Failure> {
         keeping.complaint().map_or(Ok(()), |complaint| self.teller.warn("journal", &complaint))
     }

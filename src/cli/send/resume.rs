@@ -147,6 +147,7 @@ fn resume(
     // Where its rest is to lie it is checked again.
     let program = Program::read(&path, record.head.name.clone(), &anywhere(&machine), |_| ())?;
     let Some(from) = place_to_go_on(args, &record)? else {
+        record.finished()?;
         teller.say(&format!("nothing is left to cut of job {}", record.number));
         return Ok(Outcome::Done);
     };
@@ -261,7 +262,7 @@ impl Sending<'_> {
                 None => return Ok(true),
             },
         };
-        if drive_to(&mut self.talk, place)? != Outcome::Done {
+        if drive_to(&mut self.talk, place, self.machine.up_mm())? != Outcome::Done {
             return Ok(false);
         }
         self.teller.say(&format!("the head stands over {what}, beam off: {}", self.talk.place()));

@@ -49,7 +49,6 @@ impl Sending<'_> {
             connection::require_idle(&self.talk.status)?;
             let (mut keeping, lines) = self.keep(k)?;
             let program = &self.programs[k];
-            let ends_at_mm = program.survey.demand.ends_at_mm;
             let forecast = Forecast::new(program.survey.plan.clone());
             let about = Sheet {
                 place: self.place(k),
@@ -68,7 +67,7 @@ impl Sending<'_> {
             }
             // From here on it may move: a signal brakes and resets it.
             self.talk.on_interrupt(OnInterrupt::Stop);
-            self.talk.command(Command::Run { lines, ends_at_mm });
+            self.talk.command(Command::Run { lines });
             let ending = self.follow(forecast, &mut keeping)?;
             self.talk.on_interrupt(OnInterrupt::Leave);
             keeping.ends(&ending);

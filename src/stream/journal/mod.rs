@@ -74,15 +74,17 @@ impl Journal {
         Record::read(number, folder)
     }
 
-    /// Takes up a new job: makes its copy of the program and writes down what is known. `lines` come without their ends.
+    /// Takes up a new job: makes its copy of the program, which it gives back to be sent, and writes down what is known, in the job `before` too, with
+    /// which it goes on. `lines` come without their ends.
     ///
     /// # Errors
-    /// The lines or the disk.
+    /// The lines or the disk. Nothing is left of the job then: it could be taken for one to go on with.
     pub fn begin(
         &self,
         head: Head,
         lines: impl Iterator<Item = std::io::Result<String>>,
-    ) -> Result<Recorder, JournalError> {
+        before: Option<&Record>,
+    ) -> Result<(Recorder, File), JournalError> {
         fs::create_dir_all(&self.folder).map_err(at(&self.folder))?;
         let mut number = self.numbers()?.into_iter().max().unwrap_or(0) + 1;
         let folder = loop {
@@ -94,9 +96,19 @@ impl Journal {
                 Err(e) => return Err(at(&folder)(e)),
             }
         };
-        let recorder = Recorder::begin(number, folder, head, lines)?;
+        let begin = || {
+            let recorder = Recorder::begin(number, folder.clone(), head, lines)?;
+            let path = recorder.program();
+            let program = File::open(&path).map_err(at(&path))?;
+            before.map_or(Ok(()), |before| before.resumed(number))?;
+            Ok((recorder, program))
+        };
+        let begun = begin().inspect_err(|_| {
+            // What cannot be removed has no head, or is told of by the error.
+            let _ = fs::remove_dir_all(&folder);
+        });
         sync_folder(&self.folder);
-        Ok(recorder)
+        begun
     }
 
     /// Removes a job for good.

@@ -120,6 +120,16 @@ impl Record {
         recorder::append(&self.folder, &note)
     }
 
+    /// Says that nothing was left to cut of it: it is done.
+    ///
+    /// # Errors
+    /// The disk.
+    pub fn finished(&self) -> Result<(), JournalError> {
+        let mut note = self.last().cloned().unwrap_or_else(|| Note::new(Mark::Done, 0.0, Progress::default()));
+        (note.mark, note.message) = (Mark::Done, Some("nothing was left to cut".to_owned()));
+        recorder::append(&self.folder, &note)
+    }
+
     /// True when a board has other settings than the one it was sent to.
     pub fn is_other_board(&self, board: &Board) -> bool {
         self.head.settings_sha256 != settings_hash(board)

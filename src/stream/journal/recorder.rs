@@ -31,6 +31,10 @@ pub struct Recorder {
     bytes: u64,
     /// Notes other than of progress.
     kept: Vec<String>,
+    /// Those of them that could not be written yet.
+    owed: String,
+    /// What was last written may not have come whole.
+    torn: bool,
     synced: Instant,
     _lock: File,
 }
@@ -50,8 +54,9 @@ impl Recorder {
         (head.lines, head.program_sha256) = copy(lines, &program).map_err(at(&program))?;
         let log_path = folder.join(LOG);
         let log = OpenOptions::new().create(true).append(true).open(&log_path).map_err(at(&log_path))?;
+        let (kept, owed) = (Vec::new(), String::new());
         let mut recorder =
-            Recorder { number, folder, log, bytes: 0, kept: Vec::new(), synced: Instant::now(), _lock: lock };
+            Recorder { number, folder, log, bytes: 0, kept, owed, torn: false, synced: Instant::now(), _lock: lock };
         recorder.note(&Note::new(Mark::Begun, 0.0, Progress::default()))?;
         let text = serde_json::to_string_pretty(&head)
             .map_err(|e| JournalError::Garbled { path: recorder.folder.join(HEAD), reason: e.to_string() })?;
@@ -69,29 +74,59 @@ impl Recorder {
         self.folder.join(PROGRAM)
     }
 
-    /// Adds a note. All but those of progress are on the disk when this returns.
+    /// Adds a note. All but those of progress are on the disk when this returns; one of them that cannot be written goes with the next.
     ///
     /// # Errors
-    /// The disk is full or gone.
+    /// The disk is full or gone. Later notes may be written all the same.
     pub fn note(&mut self, note: &Note) -> Result<(), JournalError> {
         let path = self.folder.join(LOG);
         // Numbers that are none become null, and nothing else in a note can fail.
         let text = serde_json::to_string(note)
             .map_err(|e| JournalError::Garbled { path: path.clone(), reason: e.to_string() })?;
         let line = text + "\n";
+        let passing = note.is_passing();
+        if !passing {
+            self.owed += &line;
+            if self.kept.len() < KEPT_NOTES {
+                self.kept.push(line.clone());
+            }
+        }
         if self.bytes + line.len() as u64 > LOG_BYTES {
-            self.compact()?;
+            // On a full disk what matters may find a place all the same.
+            self.compact().or_else(|error| if passing { Err(error) } else { Ok(()) })?;
         }
-        // In one call, so that no other end than a loss of power tears it.
-        self.log.write_all(line.as_bytes()).map_err(at(&path))?;
-        self.bytes += line.len() as u64;
-        if !note.is_passing() && self.kept.len() < KEPT_NOTES {
-            self.kept.push(line);
+        // In one call, so that no other end than a loss of power or a full disk tears it; a torn line must not run into the next.
+        let gap = if self.torn { "\n" } else { "" };
+        let text = format!("{gap}{}{}", self.owed, if passing { line.as_str() } else { "" });
+        if let Err(error) = self.log.write_all(text.as_bytes()) {
+            self.torn = true;
+            if passing || self.write_over(&line).is_err() {
+                return Err(at(&path)(error));
+            }
+        } else {
+            self.bytes += text.len() as u64;
+            self.torn = false;
+            self.owed.clear();
         }
-        if !note.is_passing() || self.synced.elapsed() >= SYNC_EVERY {
+        if !passing || self.synced.elapsed() >= SYNC_EVERY {
             self.log.sync_data().map_err(at(&path))?;
             self.synced = Instant::now();
         }
+        Ok(())
+    }
+
+    /// Puts all that matters, with a note as its last, in the place of what the log holds: the room it has already is there on a full disk too.
+    fn write_over(&mut self, last: &str) -> io::Result<()> {
+        let mut text = self.kept.concat();
+        if !text.ends_with(last) {
+            text += last;
+        }
+        let mut log = OpenOptions::new().write(true).open(self.folder.join(LOG))?;
+        log.write_all(text.as_bytes())?;
+        log.set_len(text.len() as u64)?;
+        log.sync_data()?;
+        (self.bytes, self.torn) = (text.len() as u64, false);
+        self.owed.clear();
         Ok(())
     }
 
@@ -149,4 +184,60 @@ fn copy(lines: impl Iterator<Item = io::Result<String>>, path: &Path) -> io::Res
     }
     file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
     Ok((count, hexadecimal(&hash.finalize())))
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+    use crate::stream::{Board, Ending, Journal, Outcome, Standing, Trouble};
+
+    fn progress(executed: usize) -> Progress {
+        Progress { sent: executed, acked: executed, executed, reached: None }
+    }
+
+    fn full_disk() -> File {
+        OpenOptions::new().append(true).open("/dev/full").unwrap()
+    }
+
+    fn begun() -> (tempfile::TempDir, Journal, Recorder) {
+        let folder = tempfile::tempdir().unwrap();
+        let journal = Journal::at(folder.path());
+        let head = Head::new("a.nc", "diode-400", "/dev/ttyUSB0", &Board::default());
+        let (mut recorder, _) = journal.begin(head, ["G0X1"].map(|l| Ok(l.to_owned())).into_iter(), None).unwrap();
+        recorder.note(&Note::new(Mark::Progress, 1.0, progress(7))).unwrap();
+        (folder, journal, recorder)
+    }
+
+    #[test]
+    fn a_full_disk_does_not_lose_the_ending() {
+        let (_folder, journal, mut recorder) = begun();
+        recorder.log = full_disk();
+        assert!(recorder.note(&Note::new(Mark::Progress, 2.0, progress(8))).is_err());
+        let outcome = Outcome::Failed(Trouble::OffPlan { off_mm: 1.0, line: 9 });
+        let ending = Ending { outcome, progress: progress(9), maybe: 12, position_kept: true, beam_off: true };
+        // The device cannot be forced, the log can.
+        let _ = recorder.note(&Note::of_ending(3.0, &ending));
+        drop(recorder);
+        let record = journal.record(1).unwrap();
+        assert_eq!((record.standing, record.progress(), record.maybe()), (Standing::Damaged, progress(9), 12));
+        assert_eq!(record.notes[0].mark, Mark::Begun);
+    }
+
+    #[test]
+    fn what_could_not_be_written_is_written_when_there_is_room_again() {
+        let (folder, journal, mut recorder) = begun();
+        let (log, away) = (folder.path().join("0001/log"), folder.path().join("0001/away"));
+        recorder.log = full_disk();
+        fs::rename(&log, &away).unwrap();
+        assert!(recorder.note(&Note::of_trouble(2.0, &Trouble::Locked, progress(8))).is_err());
+        fs::rename(&away, &log).unwrap();
+        // Half a note has come to the disk.
+        recorder.log = OpenOptions::new().append(true).open(&log).unwrap();
+        recorder.log.write_all(b"{\"mark\":\"trou").unwrap();
+        recorder.note(&Note::new(Mark::Progress, 3.0, progress(9))).unwrap();
+        let record = journal.record(1).unwrap();
+        let marks: Vec<Mark> = record.notes.iter().map(|note| note.mark).collect();
+        assert_eq!(marks, [Mark::Begun, Mark::Progress, Mark::Trouble, Mark::Progress]);
+        assert_eq!(record.progress(), progress(9));
+    }
 }

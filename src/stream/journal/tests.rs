@@ -6,7 +6,7 @@ use crate::stream::{Board, Ending, Outcome, Progress, Reached, Trouble};
 fn begun(journal: &Journal) -> Recorder {
     let head = Head::new("job/sheets/sheet-01.nc", "diode-400", "/dev/ttyUSB0", &Board::default());
     let lines = ["G21G90", "M4S0", "G0X1", "G1X2S100F600"].map(|line| Ok(line.to_owned()));
-    journal.begin(head, lines.into_iter()).unwrap()
+    journal.begin(head, lines.into_iter(), None).unwrap().0
 }
 
 fn scratch() -> (tempfile::TempDir, Journal) {
@@ -65,6 +65,36 @@ fn a_sender_that_is_gone_without_a_word_leaves_an_interrupted_job() {
     assert_eq!(journal.record(1).unwrap().resumed_by(), Some(9), "a torn line hides none that follows");
     fs::create_dir(journal.folder().join("0007")).unwrap();
     assert_eq!((journal.records().unwrap().len(), journal.stillborn().unwrap()), (1, vec![7]));
+}
+
+#[test]
+fn a_job_that_cannot_be_taken_up_leaves_nothing_to_go_on_with() {
+    let (_folder, journal) = scratch();
+    drop(begun(&journal));
+    let before = journal.record(1).unwrap();
+    let log = journal.folder().join("0001/log");
+    let noted = fs::read(&log).unwrap();
+    fs::remove_file(&log).unwrap();
+    let head = || Head::new("job/sheets/sheet-01.nc", "diode-400", "/dev/ttyUSB0", &Board::default());
+    let begin = |line: std::io::Result<String>| journal.begin(head(), [line].into_iter(), Some(&before));
+    assert!(begin(Ok("G0X1".to_owned())).is_err(), "the job before cannot be told");
+    fs::write(&log, noted).unwrap();
+    assert!(begin(Err(std::io::Error::other("the file is gone"))).is_err());
+    assert_eq!((journal.records().unwrap(), journal.stillborn().unwrap()), (vec![before.clone()], vec![]));
+    assert!(begin(Ok("G0X1".to_owned())).is_ok());
+    assert_eq!(journal.record(1).unwrap().resumed_by(), Some(2));
+}
+
+#[test]
+fn a_job_of_which_nothing_is_left_is_done() {
+    let (_folder, journal) = scratch();
+    let mut recorder = begun(&journal);
+    recorder.note(&Note::of_ending(2.0, &ending(Outcome::Stopped))).unwrap();
+    drop(recorder);
+    journal.record(1).unwrap().finished().unwrap();
+    let record = journal.record(1).unwrap();
+    assert_eq!((record.standing, record.progress()), (Standing::Done, progress(30)));
+    assert_eq!(record.message(), Some("nothing was left to cut"));
 }
 
 #[test]

@@ -54,11 +54,7 @@ impl Session {
         if self.state() != Some(State::Idle) {
             return self.tell(Event::Denied("the machine is not idle: home, unlock, resume or reset it first"));
         }
-        self.begin(
-            lines,
-            None,
-            Some(Checking { stage: Stage::Entering, refused: 0, stray_reports: 0, check_reports: 0 }),
-        );
+        self.begin(lines, Some(Checking { stage: Stage::Entering, refused: 0, stray_reports: 0, check_reports: 0 }));
         self.alone.push_back(CHECK_MODE.to_owned());
     }
 

@@ -96,7 +96,6 @@ struct Job {
     closed: bool,
     /// The board only reads it.
     check: Option<checking::Checking>,
-    ends_at_mm: Option<[f64; 2]>,
     ledger: Ledger,
     /// The way it takes; `None` before the first report tells where it begins.
     course: Option<Course>,
@@ -237,9 +236,9 @@ impl Session {
                     self.cancel_jogs();
                 }
             }
-            Command::Run { lines, ends_at_mm } => {
+            Command::Run { lines } => {
                 if self.free_for_orders() {
-                    self.start(lines, ends_at_mm);
+                    self.start(lines);
                 }
             }
             Command::Check { lines } => {
@@ -304,15 +303,15 @@ impl Session {
         false
     }
 
-    fn start(&mut self, lines: Lines, ends_at_mm: Option<[f64; 2]>) {
+    fn start(&mut self, lines: Lines) {
         match self.state() {
             Some(State::Idle | State::Check) => {}
             _ => return self.tell(Event::Denied("the machine is not idle: home, unlock, resume or reset it first")),
         }
-        self.begin(lines, ends_at_mm, None);
+        self.begin(lines, None);
     }
 
-    fn begin(&mut self, lines: Lines, ends_at_mm: Option<[f64; 2]>, check: Option<checking::Checking>) {
+    fn begin(&mut self, lines: Lines, check: Option<checking::Checking>) {
         self.idle_since = None;
         self.rest_reports = 0;
         let ledger = Ledger::default();
@@ -321,8 +320,7 @@ impl Session {
         if course.is_none() {
             self.polled = None;
         }
-        self.job =
-            Some(Job { lines, number: 0, next: None, read: false, closed: false, check, ends_at_mm, ledger, course });
+        self.job = Some(Job { lines, number: 0, next: None, read: false, closed: false, check, ledger, course });
     }
 
     fn state(&self) -> Option<State> {

@@ -13,6 +13,7 @@ impl Session {
         course.carried_out(job.ledger.progress().executed);
         // An open door may park the head, an alarm may come with a place that is no longer counted.
         if !matches!(status.state, State::Run | State::Idle | State::Hold(_)) {
+            course.rests();
             return None;
         }
         let located = course.located(status.machine_mm?);

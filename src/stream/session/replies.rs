@@ -43,6 +43,17 @@ impl Session {
             Reply::Message(message) => self.tell(Event::Message(message)),
             Reply::Modes(words) => {
                 self.modes = modes::told(&words);
+                self.shift_modes();
+                self.tell(Event::Text(line.trim().to_owned()));
+            }
+            Reply::Shift(shift_mm) => {
+                self.board.shift_mm = Some(shift_mm);
+                self.shift_modes();
+                self.tell(Event::Text(line.trim().to_owned()));
+            }
+            Reply::ToolLength(length_mm) => {
+                self.board.tool_length_mm = Some(length_mm);
+                self.shift_modes();
                 self.tell(Event::Text(line.trim().to_owned()));
             }
             Reply::Startup(startup) => {
@@ -143,6 +154,9 @@ impl Session {
         self.rest_reports = 0;
         self.status = None;
         self.modes = Some(modes::at_start());
+        // GRBL forgets both with a reset (gc_init); others may keep them.
+        let forgets = firmware == Firmware::Grbl;
+        (self.board.shift_mm, self.board.tool_length_mm) = (forgets.then_some([0.0; 3]), forgets.then_some(0.0));
         match self.phase {
             Phase::Opening { .. } | Phase::Asking | Phase::Lost => {
                 self.board.restarted = true;

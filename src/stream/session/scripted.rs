@@ -16,8 +16,12 @@ pub(super) const BRAKE_MS: u64 = 60;
 pub(super) struct Board {
     pub(super) rx: VecDeque<u8>,
     pub(super) line: Vec<u8>,
-    /// Remaining time of each block, ms.
-    pub(super) blocks: VecDeque<u64>,
+    /// Remaining time of each block, ms, and where it ends on X of its work coordinates, mm.
+    pub(super) blocks: VecDeque<(u64, f64)>,
+    /// Where the head is, at the end of a block always, mm.
+    pub(super) x_mm: f64,
+    /// It stands there whatever it is told.
+    pub(super) still: bool,
     /// A line that waits for a place in the planner.
     pub(super) waiting: bool,
     pub(super) state: State,
@@ -42,6 +46,8 @@ impl Board {
             rx: VecDeque::new(),
             line: Vec::new(),
             blocks: VecDeque::new(),
+            x_mm: 5.0,
+            still: false,
             waiting: false,
             state: State::Idle,
             braking_ms: 0,
@@ -118,7 +124,8 @@ impl Board {
         };
         let (blocks, bytes) = (BLOCKS - self.blocks.len(), RX - self.rx.len());
         let report = format!(
-            "<{state}|MPos:1.000,2.000,0.000|Bf:{blocks},{bytes}|FS:0,0|WCO:-4.000,0.000,0.000|Ov:{},100,100>",
+            "<{state}|MPos:{:.3},2.000,0.000|Bf:{blocks},{bytes}|FS:0,0|WCO:-4.000,0.000,0.000|Ov:{},100,100>",
+            self.x_mm - 4.0,
             self.feed_percent
         );
         self.say(&report);
@@ -134,10 +141,11 @@ impl Board {
         }
         if matches!(self.state, State::Run | State::Idle) {
             match self.blocks.front_mut() {
-                Some(0) => {
+                Some((0, x_mm)) => {
+                    self.x_mm = *x_mm;
                     self.blocks.pop_front();
                 }
-                Some(left) => *left -= 1,
+                Some((left, _)) => *left -= 1,
                 None => {}
             }
             self.state = if self.blocks.is_empty() { State::Idle } else { State::Run };
@@ -165,8 +173,7 @@ impl Board {
             }
             "$$" => self.say("$30=1000"),
             "$#" => self.say("error:7"),
-            // It stands still whatever it is told: after an arc nobody can follow it, and nobody tries.
-            "$G" => self.say("[GC:G2 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]"),
+            "$G" => self.say("[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]"),
             _ if self.state == State::Alarm && line != "$X" => return self.say("error:9"),
             "$X" => self.state = State::Idle,
             _ => {}
@@ -184,8 +191,11 @@ impl Board {
     }
 
     pub(super) fn plan(&mut self) {
-        if self.lines.last().is_some_and(|l| l.starts_with('G')) {
-            self.blocks.push_back(self.block_ms);
+        if let Some(line) = self.lines.last().filter(|line| line.starts_with('G')) {
+            let number = |text: &str| text.split(char::is_alphabetic).next().and_then(|x| x.parse().ok());
+            let before_mm = self.blocks.back().map_or(self.x_mm, |(_, x_mm)| *x_mm);
+            let x_mm = line.strip_prefix("G1X").and_then(number).filter(|_| !self.still).unwrap_or(before_mm);
+            self.blocks.push_back((self.block_ms, x_mm));
             self.state = State::Run;
         }
         if !self.lose_answers_to.contains(&self.lines.len()) {
@@ -254,7 +264,7 @@ impl Bench {
 
     pub(super) fn send(&mut self, lines: impl IntoIterator<Item = String, IntoIter: Send + 'static>) {
         let lines = Box::new(lines.into_iter().map(Ok));
-        self.command(Command::Run { lines, ends_at_mm: None });
+        self.command(Command::Run { lines });
     }
 
     pub(super) fn ending(&self) -> Option<&Ending> {

@@ -2,7 +2,7 @@
 
 use super::checking::read_on_checking;
 use super::{Job, Phase, Session};
-use crate::stream::course::Effect;
+use crate::stream::course::{Course, Effect};
 use crate::stream::event::{Action, Event, Outcome};
 use crate::stream::sendable::{Sendable, sendable};
 use crate::stream::status::State;
@@ -126,12 +126,14 @@ impl Session {
         if !all_sent || !self.alone.is_empty() || !self.rested() {
             return;
         }
-        let expected_mm = self.job.as_ref().and_then(|job| job.ends_at_mm);
-        let found_mm = self.status.as_ref().and_then(|s| s.work_mm).map(|[x, y, _]| [x, y]);
-        if let (Some(expected_mm), Some(found_mm)) = (expected_mm, found_mm)
-            && self.state() == Some(State::Idle)
-            && (0..2).any(|k| (expected_mm[k] - found_mm[k]).abs() > PLACE_MM)
+        let modes = self.job.as_ref().and_then(|job| job.course.as_ref()).and_then(Course::end);
+        let found = self.status.as_ref().filter(|status| status.state == State::Idle).and_then(|s| s.machine_mm);
+        if let (Some(modes), Some(found)) = (modes, found)
+            && (0..2).any(|k| (modes.position()[k] - found[k]).abs() > PLACE_MM)
         {
+            // G92 may have laid zero elsewhere since the last report that told of it.
+            let here = |place: [f64; 3]| [place[0] - modes.origin().x, place[1] - modes.origin().y];
+            let (expected_mm, found_mm) = (here(modes.position().into()), here(found));
             return self.fail(Trouble::WrongPlace { expected_mm, found_mm });
         }
         self.finish_at_rest(Outcome::Done);

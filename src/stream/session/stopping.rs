@@ -146,7 +146,7 @@ impl Session {
         let job = self.job.take();
         let progress = job.as_ref().map(|job| job.ledger.progress()).unwrap_or_default();
         if let Some(Job { course: Some(course), check: None, .. }) = job.filter(|_| outcome == Outcome::Done) {
-            self.modes = course.modes();
+            self.set_modes(course.modes());
         }
         // Lines that were sent may have been read until the very end, whether or not their answers came.
         let maybe = if outcome == Outcome::Done { progress.executed } else { progress.sent };

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::super::event::{Action, Command, Event, Outcome};
 use super::super::realtime::Override;
-use super::super::status::State;
+use super::super::status::{State, Status};
 use super::super::trouble::Trouble;
 use super::scripted::{BLOCKS, Bench, Board, RX};
 use super::{Session, Settings};
@@ -42,7 +42,7 @@ fn a_dead_port_is_said_to_be_dead() {
     };
     bench.run_until(8_000, |b| !b.events.is_empty());
     assert!(matches!(bench.events[0], Event::Trouble(Trouble::Silent(_))));
-    bench.command(Command::Run { lines: Box::new(std::iter::empty()), ends_at_mm: None });
+    bench.command(Command::Run { lines: Box::new(std::iter::empty()) });
     assert!(matches!(bench.events[1], Event::Denied(_)));
 }
 
@@ -244,18 +244,34 @@ fn what_must_not_be_sent_stops_the_job_before_it_is() {
 fn a_file_that_cannot_be_read_on_stops_the_job() {
     let mut bench = Bench::ready(Board::new(5));
     let lines = ["G1X1F100"].into_iter().map(|l| Ok(l.to_owned())).chain([Err(std::io::Error::other("disk"))]);
-    bench.command(Command::Run { lines: Box::new(lines), ends_at_mm: None });
+    bench.command(Command::Run { lines: Box::new(lines) });
     assert!(matches!(bench.end(2_000).outcome, Outcome::Failed(Trouble::Unreadable { line: 2, .. })));
 }
 
 #[test]
 fn an_end_in_the_wrong_place_is_no_success() {
-    for (x_mm, good) in [(5.0, true), (5.1, false)] {
+    for (off_mm, outcome) in [
+        (0.0, Outcome::Done),
+        (0.1, Outcome::Failed(Trouble::WrongPlace { expected_mm: [9.0, 2.0], found_mm: [9.1, 2.0] })),
+    ] {
+        let mut bench = Bench::ready(Board::new(100));
+        bench.send(moves(10));
+        bench.run_until(5_000, |b| b.board.blocks.len() == 1 && b.board.lines.len() >= 10);
+        bench.board.blocks[0].1 += off_mm;
+        assert_eq!(bench.end(5_000).outcome, outcome);
+    }
+}
+
+#[test]
+fn a_program_may_end_where_its_own_words_do_not_say() {
+    // Zero is laid elsewhere on the way, or the way is told in steps from where the head stands.
+    for lines in [["G1X9F3000", "G92X20", "G1X20"], ["G91", "G1X0F3000", "G90"]] {
         let mut bench = Bench::ready(Board::new(5));
-        let lines = Box::new(moves(20).into_iter().map(Ok));
-        bench.command(Command::Run { lines, ends_at_mm: Some([x_mm, 2.0]) });
-        let ending = bench.end(5_000);
-        assert_eq!(ending.outcome == Outcome::Done, good, "{ending:?}");
+        bench.board.x_mm = 9.0;
+        bench.run_until(1_000, |b| b.session.status.as_ref().is_some_and(|s| s.work_mm == Some([9.0, 2.0, 0.0])));
+        bench.board.still = true;
+        bench.send(lines.map(String::from));
+        assert_eq!(bench.end(5_000).outcome, Outcome::Done, "{lines:?}");
     }
 }
 
@@ -266,6 +282,28 @@ fn an_answer_too_many_ends_the_job() {
     bench.run_until(500, |b| b.session.job.as_ref().is_some_and(|j| j.closed) && b.session.window.is_empty());
     bench.board.say("ok");
     assert_eq!(bench.end(2_000).outcome, Outcome::Failed(Trouble::ExtraAnswer));
+}
+
+#[test]
+fn a_door_opened_in_a_long_line_is_no_crawling() {
+    let mut bench = Bench::ready(Board::new(60_000));
+    for (number, value) in [(110, 6000.0), (111, 6000.0), (120, 300.0), (121, 300.0)] {
+        bench.session.board.settings.insert(number, value);
+    }
+    bench.send(["G1X105F3000"].map(String::from));
+    bench.run_until(1_000, |b| b.board.lines.len() == 1);
+    // Two seconds of way, five at the door, two of way.
+    for k in 0..60_u32 {
+        let (state, at_s) = match k {
+            0..13 => ("Run", 0.15 * f64::from(k)),
+            13..46 => ("Door:0", 1.95),
+            _ => ("Run", 0.15 * f64::from(k) - 4.95),
+        };
+        bench.session.now = bench.now() + Duration::from_millis(150 * u64::from(k));
+        let report = format!("<{state}|MPos:{:.3},2.000,0.000|FS:0,0>", 1.5 + 5.0 * at_s);
+        let status = Status::parse(&report, false).unwrap();
+        assert_eq!(bench.session.locate(&status), None, "report {k}");
+    }
 }
 
 #[test]
