@@ -126,7 +126,7 @@ pub(super) fn corner(talk: &Talk, machine: &Machine) -> Result<P2, Failure> {
     let unknown = || {
         refused("the machine does not know where its corner is: home it first (--home), or leave --from absolute out")
     };
-    let offset = talk.board.offset_mm.filter(|_| knows_place(talk)).ok_or_else(unknown)?;
+    let offset = talk.board.offset_mm.filter(|_| talk.board.knows_place()).ok_or_else(unknown)?;
     // Machine space of GRBL runs from minus the travel to 0 on every axis (limits.c).
     let low = |axis: usize| {
         let told = talk.board.settings.get(&(130 + axis as u16)).copied();
@@ -147,7 +147,7 @@ pub(super) fn corner(talk: &Talk, machine: &Machine) -> Result<P2, Failure> {
 /// # Errors
 /// None where it does not know its place.
 pub(super) fn settings_here(talk: &Talk, machine: &Machine) -> Result<CheckSettings, Failure> {
-    if !knows_place(talk) {
+    if !talk.board.knows_place() {
         return Ok(anywhere(machine));
     }
     let mut settings = job::check_settings(machine, None);
@@ -163,11 +163,6 @@ pub(super) fn anywhere(machine: &Machine) -> CheckSettings {
     let settings = job::check_settings(machine, None);
     let [x, y, _] = machine.controller.max_travel_mm;
     CheckSettings { work_area: settings.work_area.grown(x.max(y)), keep_outs: Vec::new(), ..settings }
-}
-
-/// True when machine coordinates mean something.
-pub(super) fn knows_place(talk: &Talk) -> bool {
-    talk.board.homed || talk.board.switch(20) == Some(true) && !talk.board.restarted
 }
 
 /// Drives to where the crosses should be and has the head moved onto each. `None` when the user has stopped it.

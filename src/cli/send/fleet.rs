@@ -200,6 +200,7 @@ impl Fleet<'_> {
         head.sheet = program.place((place, self.args.from_sheet - 1 + member.programs.len()));
         head.laser = member.machine.tool.class.is_laser();
         head.start_mm = status.work_mm;
+        head.anyway = self.args.anyway;
         let (mut keeping, lines) = Keeping::take_up(program, head, None)?;
         let number = keeping.number().map_or(String::new(), |number| format!(", job {number}"));
         self.tell(member, Some(k), "sheet", &format!("{}{number}", program.name()))?;
