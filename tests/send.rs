@@ -3,6 +3,8 @@
 
 #[path = "send/bench.rs"]
 mod bench;
+#[path = "send/fleet.rs"]
+mod fleet;
 #[path = "send/placing.rs"]
 mod placing;
 #[path = "send/resume.rs"]

@@ -173,6 +173,10 @@ impl Socket {
         self.with(|board| board.power() == 0.0 && !board.is_moving())
     }
 
+    pub fn is_moving(&self) -> bool {
+        self.with(Board::is_moving)
+    }
+
     pub fn burnt_mm(&self) -> f64 {
         self.with(|board| board.trace().iter().filter(|s| s.is_lit()).map(|s| s.length_mm()).sum())
     }

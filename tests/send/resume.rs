@@ -1,4 +1,4 @@
-//! Jobs that were stopped, killed, cut off or spoilt, and what comes of them afterwards; jobs laid by crosses; several machines at once.
+//! Jobs that were stopped, killed, cut off or spoilt, and what comes of them afterwards; jobs laid by crosses.
 
 use std::fs;
 
@@ -146,29 +146,6 @@ fn a_job_is_laid_by_its_crosses_where_the_head_stands_or_not_at_all() {
     assert_eq!((code, framed["bounds_mm"].to_string().as_str()), (0, "[13.0,9.0,93.0,11.0]"));
     let (code, _, stderr) = run(&scratch, &[frame.as_slice(), &["--from", "absolute"]].concat());
     assert!(code == 1 && stderr.contains("home it first"), "{stderr}");
-}
-
-#[test]
-fn several_machines_share_the_sheets_and_one_that_fails_holds_no_other_up() {
-    let scratch = Scratch::new();
-    for sheet in 1..=4 {
-        scratch.write(&format!("job/sheets/sheet-{sheet:02}.nc"), &rows(3));
-    }
-    let sockets = [Socket::new(BoardSettings::default()), Socket::new(BoardSettings::default())];
-    let members =
-        [sockets[0].port.as_str(), sockets[1].port.as_str(), "tcp:127.0.0.1:1"].map(|p| format!("diode-400@{p}"));
-    let (code, _, stderr) = run(&scratch, &["send", "job", "--yes", "--machines", &members.join(",")]);
-    assert!(code == 2 && stderr.contains("--pause-s"), "{stderr}");
-    let send = ["send", "job", "--yes", "--json", "--pause-s", "0", "--machines", &members.join(",")];
-    let (code, stdout, stderr) = run(&scratch, &send);
-    assert_eq!(code, 0, "{stdout}{stderr}");
-    let end: Value = serde_json::from_str(stdout.lines().last().expect("an end")).expect("JSON");
-    assert_eq!((end["done"].to_string().as_str(), &end["outcome"]), ("[1,2,3,4]", &"done".into()));
-    assert!(end["failures"][0].as_str().is_some_and(|why| why.contains("tcp:127.0.0.1:1")), "{end}");
-    let burnt: Vec<f64> = sockets.iter().map(Socket::burnt_mm).collect();
-    assert!((burnt.iter().sum::<f64>() - 4.0 * whole_mm(3)).abs() < 0.1, "{burnt:?}");
-    assert!(burnt.iter().all(|mm| *mm > 1.0), "both had some of it: {burnt:?}");
-    assert_eq!(jobs(&scratch).len(), 4);
 }
 
 #[test]

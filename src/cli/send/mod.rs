@@ -148,7 +148,7 @@ fn send(args: &Args, at: &Where, machine: Machine, teller: &mut Teller) -> Resul
     }
     // All sheets before the first is cut: a set that cannot be finished is not begun.
     let programs = check(&files, &machine)?;
-    let setup = setup(args, &machine, &programs, teller)?;
+    let setup = setup(args, &machine, &programs, &mut |code, message| teller.warn(code, message))?;
     for program in &programs {
         if program.warnings > 0 {
             let count = output::count(program.warnings, "warning");
@@ -211,18 +211,23 @@ fn check(files: &[PathBuf], machine: &Machine) -> Result<Vec<Program>, Failure> 
     programs
 }
 
-/// The machine's checklist and that of every material, each step once; doubts about where values come from are told.
+/// The machine's checklist and that of every material, each step once; doubts about where values come from are told to `warn`, code first.
 ///
 /// # Errors
 /// A material that must never go under this tool.
-fn setup(args: &Args, machine: &Machine, programs: &[Program], teller: &Teller) -> Result<Vec<String>, Failure> {
+fn setup(
+    args: &Args,
+    machine: &Machine,
+    programs: &[Program],
+    warn: &mut dyn FnMut(&str, &str) -> Result<(), Failure>,
+) -> Result<Vec<String>, Failure> {
     let library = Library::open();
     let mut steps = machine.setup.clone();
     let mut told = Vec::new();
     for program in programs {
         for doubt in program.label.doubts(machine) {
             if !told.contains(&doubt.message) {
-                teller.warn(doubt.code, &doubt.message)?;
+                warn(doubt.code, &doubt.message)?;
                 told.push(doubt.message);
             }
         }

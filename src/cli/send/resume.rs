@@ -151,7 +151,7 @@ fn resume(
         return Ok(Outcome::Done);
     };
     let programs = vec![program];
-    let setup = setup(sending_args, &machine, &programs, teller)?;
+    let setup = setup(sending_args, &machine, &programs, &mut |code, message| teller.warn(code, message))?;
     let talk = Talk::open(&at.port, &machine)?;
     let keyboard = somebody.then(Keyboard::open);
     let scratch = tempfile::tempdir()?;

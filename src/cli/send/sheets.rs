@@ -88,6 +88,7 @@ impl Sending<'_> {
     fn follow(&mut self, mut forecast: Forecast, keeping: &mut Keeping) -> Result<Ending, Failure> {
         let mut feed_percent = 100;
         let mut runs = false;
+        let mut restarted = false;
         loop {
             self.obey_keyboard(&mut feed_percent);
             match self.talk.next(EVENT_WAIT) {
@@ -106,6 +107,12 @@ impl Sending<'_> {
                 // Told of a word that was typed; before the first line it means that nothing begins.
                 Some(Event::Denied(reason)) if runs || self.talk.interrupted() => self.teller.note("denied", reason)?,
                 Some(Event::Denied(reason)) => return Err(failed(reason)),
+                // It lost its place before it was told the first line; in the middle of them that is trouble of its own.
+                Some(Event::Restarted) => {
+                    restarted = true;
+                    self.talk.command(Command::Stop);
+                }
+                Some(Event::Ended(ending)) if restarted => return Ok(ending.after_restart()),
                 Some(Event::Ended(ending)) => return Ok(ending),
                 Some(_) | None => {}
             }
