@@ -4,7 +4,7 @@ use furbelow::emulator::BoardSettings;
 use furbelow::geom::{P3, V3};
 use serde_json::Value;
 
-use super::bench::{Scratch, Socket, run};
+use super::bench::{Running, Scratch, Socket, run};
 use super::rows::{cutting, cutting_beyond, homing, jobs, rows, scratch};
 
 /// A board that opening its port does not start anew.
@@ -84,4 +84,65 @@ fn what_was_sent_although_it_was_made_for_another_machine_goes_on_likewise() {
     let (code, stdout, stderr) = run(&scratch, &["resume", "--yes", "--home"]);
     assert!(code == 0 && stderr.contains("made for k40"), "{stdout}{stderr}");
     assert_eq!(jobs(&scratch)[1]["standing"], "done");
+}
+
+#[test]
+fn each_sheet_is_laid_by_its_own_crosses_when_it_lies_on_the_bed() {
+    let (scratch, socket) = (Scratch::new(), Socket::new(homing()));
+    for sheet in 1..=2 {
+        scratch.write(&format!("job/sheets/sheet-{sheet:02}.nc"), &rows(2).replace("1/1", &format!("{sheet}/2")));
+    }
+    let send = ["send", "job", "--yes", "--home", "-m", "diode-400", "--port", socket.port.as_str()];
+    let (code, _, stderr) = run(&scratch, &[&send, ["--pause-s", "0", "--align", "8,6,98,6"].as_slice()].concat());
+    assert!(code == 2 && stderr.contains("send them one by one"), "{stderr}");
+    let mut running = Running::at_a_terminal(&scratch, &[&send, ["--align"].as_slice()].concat());
+    running.wait_for("onto the first cross");
+    running.types("\n");
+    running.wait_for("onto the second cross");
+    assert!(!running.told().contains("load sheet"), "{}", running.told());
+    running.types("\n");
+    running.wait_for("Enter goes on");
+    let high = socket.lit_bounds().1;
+    assert!((high.x + 398.0 - 90.0).abs() < 0.01, "{high}");
+    running.types("\n");
+    running.wait_for("onto the first cross");
+    running.types("4 3\n");
+    running.wait_for("idle at X9.000 Y5.000");
+    running.types("\n");
+    running.wait_for("onto the second cross");
+    running.types("\n");
+    let (code, told) = running.ends();
+    assert!(code == 0 && told.contains("the sheet lies at X4.000 Y3.000"), "{told}");
+    let high = socket.lit_bounds().1;
+    assert!((high.x + 398.0 - 94.0).abs() < 0.01 && (high.y + 398.0 - 9.0).abs() < 0.01, "{high}");
+}
+
+#[test]
+fn a_signal_ends_the_way_onto_a_cross_by_hand() {
+    let (scratch, socket) = (scratch(), Socket::new(homing()));
+    let send = ["send", "rows.nc", "--yes", "--home", "-m", "diode-400", "--port", socket.port.as_str(), "--align"];
+    let mut running = Running::at_a_terminal(&scratch, &send);
+    running.wait_for("onto the first cross");
+    running.types("300 0\n");
+    while !socket.is_moving() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    running.signal("INT");
+    let (code, told) = running.ends();
+    assert_eq!(code, 130, "{told}");
+    assert!(socket.head_mm().x + 398.0 < 200.0 && !socket.is_moving(), "{}", socket.head_mm());
+}
+
+#[test]
+fn a_zero_that_the_boards_own_check_would_forget_is_not_checked_away() {
+    let (scratch, socket) = (Scratch::new(), Socket::new(lasting(BoardSettings::default())));
+    scratch.write("rows.nc", &rows(2));
+    socket.told(&["G92X-50Y-40"]);
+    let send = ["send", "rows.nc", "--yes", "-m", "diode-400", "--port", socket.port.as_str()];
+    let (code, _, stderr) = run(&scratch, &[&send, ["--check-on-board"].as_slice()].concat());
+    assert!(code == 1 && stderr.contains("shifted by G92") && socket.burnt_mm() == 0.0, "{stderr}");
+    let (code, stdout, stderr) = run(&scratch, &send);
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    let low = socket.lit_bounds().0;
+    assert!((low.x - 60.0).abs() < 0.01 && (low.y - 45.0).abs() < 0.01, "{low}");
 }

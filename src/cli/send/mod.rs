@@ -91,6 +91,8 @@ struct Sending<'a> {
     scratch: tempfile::TempDir,
     /// The job this one goes on with.
     resumes: Option<Record>,
+    /// So many of the programs, from the first on, lie where they are to be cut.
+    placed: usize,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -146,6 +148,12 @@ fn send(args: &Args, at: &Where, machine: Machine, teller: &mut Teller) -> Resul
             output::count(files.len(), "sheet")
         )));
     }
+    if files.len() > 1 && args.placing.is_of_one_sheet() {
+        return Err(Failure::config(format!(
+            "--align gives the crosses of one sheet, and there are {}: send them one by one, or give --align alone and move the head onto the crosses of each",
+            files.len()
+        )));
+    }
     // All sheets before the first is cut: a set that cannot be finished is not begun.
     let programs = check(&files, &machine)?;
     let setup = setup(args, &machine, &programs, &mut |code, message| teller.warn(code, message))?;
@@ -158,7 +166,8 @@ fn send(args: &Args, at: &Where, machine: Machine, teller: &mut Teller) -> Resul
     let talk = Talk::open(&at.port, &machine)?;
     let keyboard = somebody.then(Keyboard::open);
     let scratch = tempfile::tempdir()?;
-    let mut sending = Sending { args, at, machine, programs, setup, keyboard, talk, teller, scratch, resumes: None };
+    let (resumes, placed) = (None, 0);
+    let mut sending = Sending { args, at, machine, programs, setup, keyboard, talk, teller, scratch, resumes, placed };
     if !sending.get_ready()? || !sending.place_programs()? {
         return Ok(Outcome::Stopped);
     }
@@ -168,8 +177,8 @@ fn send(args: &Args, at: &Where, machine: Machine, teller: &mut Teller) -> Resul
 impl Sending<'_> {
     /// From a machine that is ready and programs that lie where they should to the end of the last sheet.
     fn go(&mut self) -> Result<Outcome, Failure> {
-        self.preflight()?;
-        if self.args.check_on_board && !self.check_on_board()? {
+        self.preflight(0..self.programs.len())?;
+        if !self.check_on_board(0..self.placed)? {
             return Ok(Outcome::Stopped);
         }
         if !self.tick_off()? {

@@ -166,6 +166,7 @@ fn resume(
         teller,
         scratch,
         resumes: Some(record),
+        placed: 1,
     };
     if !sending.get_ready()? {
         return Ok(Outcome::Stopped);
@@ -265,7 +266,7 @@ impl Sending<'_> {
                 None => return Ok(true),
             },
         };
-        if drive_to(&mut self.talk, place)? != Outcome::Done {
+        if drive_to(&mut self.talk, &self.machine, place)? != Outcome::Done {
             return Ok(false);
         }
         self.teller.say(&format!("the head stands over {what}, beam off: {}", self.talk.place()));

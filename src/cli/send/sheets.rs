@@ -136,7 +136,7 @@ impl Sending<'_> {
         let stock = program.stock().unwrap_or_else(|| program.name());
         self.teller.note("load", &format!("load sheet {number} of {of}: {stock}"))?;
         let Some(pause_s) = self.args.pause_s else {
-            return Ok(self.ask("Enter goes on, Ctrl-C ends here")?.is_some());
+            return Ok(self.ask("Enter goes on, Ctrl-C ends here")?.is_some() && self.place_loaded(k)?);
         };
         self.teller.say(&format!("it is cut in {pause_s} s; Ctrl-C ends here"));
         let until = Instant::now() + Duration::from_secs(pause_s.into());
@@ -145,7 +145,19 @@ impl Sending<'_> {
                 return Ok(false);
             }
         }
-        Ok(true)
+        self.place_loaded(k)
+    }
+
+    /// A sheet that is aligned when it lies on the bed is laid and looked at as the first was. False when the user has had enough.
+    fn place_loaded(&mut self, k: usize) -> Result<bool, Failure> {
+        if k < self.placed {
+            return Ok(true);
+        }
+        if !self.place_next()? {
+            return Ok(false);
+        }
+        self.preflight(k..k + 1)?;
+        self.check_on_board(k..k + 1)
     }
 
     /// Asks something and waits for a line; what was typed before does not count. `None` when the user has stopped it instead.
