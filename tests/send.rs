@@ -3,8 +3,14 @@
 
 #[path = "send/bench.rs"]
 mod bench;
+#[path = "send/fleet.rs"]
+mod fleet;
+#[path = "send/placing.rs"]
+mod placing;
 #[path = "send/resume.rs"]
 mod resume;
+#[path = "send/rows.rs"]
+mod rows;
 
 use std::fs;
 use std::time::{Duration, Instant};

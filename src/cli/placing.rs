@@ -3,11 +3,11 @@
 use super::connection::{self, refused};
 use super::frame::drive;
 use super::keyboard::Keyboard;
-use super::talk::Talk;
+use super::talk::{OnInterrupt, Talk};
 use super::{Failure, jog};
 use crate::config::{Corner, Machine};
-use crate::gcode::CheckSettings;
-use crate::geom::{P2, Similarity, V2};
+use crate::gcode::{Action, Beam, CheckSettings, Move, check_moves};
+use crate::geom::{P2, P3, Rect, Similarity, V2};
 use crate::job;
 use crate::stream::{Alignment, Command, Frame, Outcome};
 
@@ -65,6 +65,11 @@ impl Placing {
     /// True when the head itself is to be moved onto the crosses.
     pub(super) fn is_by_hand(&self) -> bool {
         self.align == Some(None)
+    }
+
+    /// True when places of crosses are given, which are those of one sheet.
+    pub(super) fn is_of_one_sheet(&self) -> bool {
+        matches!(self.align, Some(Some(_)))
     }
 
     /// True when the job does not just lie at work zero.
@@ -126,7 +131,7 @@ pub(super) fn corner(talk: &Talk, machine: &Machine) -> Result<P2, Failure> {
     let unknown = || {
         refused("the machine does not know where its corner is: home it first (--home), or leave --from absolute out")
     };
-    let offset = talk.board.offset_mm.filter(|_| knows_place(talk)).ok_or_else(unknown)?;
+    let offset = talk.board.offset_mm.filter(|_| talk.board.knows_place()).ok_or_else(unknown)?;
     // Machine space of GRBL runs from minus the travel to 0 on every axis (limits.c).
     let low = |axis: usize| {
         let told = talk.board.settings.get(&(130 + axis as u16)).copied();
@@ -147,7 +152,7 @@ pub(super) fn corner(talk: &Talk, machine: &Machine) -> Result<P2, Failure> {
 /// # Errors
 /// None where it does not know its place.
 pub(super) fn settings_here(talk: &Talk, machine: &Machine) -> Result<CheckSettings, Failure> {
-    if !knows_place(talk) {
+    if !talk.board.knows_place() {
         return Ok(anywhere(machine));
     }
     let mut settings = job::check_settings(machine, None);
@@ -165,11 +170,6 @@ pub(super) fn anywhere(machine: &Machine) -> CheckSettings {
     CheckSettings { work_area: settings.work_area.grown(x.max(y)), keep_outs: Vec::new(), ..settings }
 }
 
-/// True when machine coordinates mean something.
-pub(super) fn knows_place(talk: &Talk) -> bool {
-    talk.board.homed || talk.board.switch(20) == Some(true) && !talk.board.restarted
-}
-
 /// Drives to where the crosses should be and has the head moved onto each. `None` when the user has stopped it.
 fn by_hand(
     planned: [P2; 2],
@@ -183,7 +183,7 @@ fn by_hand(
     let mut found = [P2::origin(); 2];
     for (k, name) in ["first", "second"].into_iter().enumerate() {
         let shift = if k == 1 { found[0] - planned[0] } else { V2::zeros() };
-        if drive_to(talk, planned[k] + shift, machine.up_mm())? != Outcome::Done {
+        if drive_to(talk, machine, planned[k] + shift)? != Outcome::Done {
             return Ok(None);
         }
         let mut question = format!(
@@ -197,8 +197,13 @@ fn by_hand(
                 _ if line.trim().is_empty() => break,
                 [dx, dy] => {
                     let [dx_mm, dy_mm] = jog::clamped(talk, machine, [dx, dy]);
+                    talk.on_interrupt(OnInterrupt::CancelJog);
                     talk.insist(Command::Jog { dx_mm, dy_mm, feed_mm_per_min: NUDGE_MM_PER_MIN })?;
                     talk.wait_for_rest()?;
+                    talk.on_interrupt(OnInterrupt::Heed);
+                    if talk.interrupted() {
+                        return Ok(None);
+                    }
                     question = talk.place();
                 }
                 _ => "two numbers, along X and along Y: 0.5 -1.2".clone_into(&mut question),
@@ -212,12 +217,19 @@ fn by_hand(
 /// Travels to a place in work coordinates with the beam off, at a height when the tool has one.
 ///
 /// # Errors
-/// A machine that does not obey.
-pub(super) fn drive_to(talk: &mut Talk, place: P2, up_mm: Option<f64>) -> Result<Outcome, Failure> {
+/// A way the machine must not go, or one that does not obey.
+pub(super) fn drive_to(talk: &mut Talk, machine: &Machine, place: P2) -> Result<Outcome, Failure> {
     connection::require_idle(&talk.status)?;
-    talk.on_interrupt(super::talk::OnInterrupt::Stop);
-    let outcome = drive(talk, Frame::way_to([place.x, place.y], up_mm))?;
-    talk.on_interrupt(super::talk::OnInterrupt::Leave);
+    let settings = settings_here(talk, machine)?;
+    // A head that stands outside comes in by the shortest way.
+    let Rect { min, max } = settings.work_area;
+    let from = head(talk).map_or(place, |head| head.sup(&min).inf(&max));
+    if let Some(why) = objection(from, place, &settings) {
+        return Err(refused(format!("the head is not driven to X{:.3} Y{:.3}: {why}", place.x, place.y)));
+    }
+    talk.on_interrupt(OnInterrupt::Stop);
+    let outcome = drive(talk, Frame::way_to([place.x, place.y], machine.up_mm()))?;
+    talk.on_interrupt(OnInterrupt::Leave);
     if let Outcome::Failed(trouble) = outcome {
         return Err(connection::machine_failure(trouble));
     }
@@ -225,9 +237,37 @@ pub(super) fn drive_to(talk: &mut Talk, place: P2, up_mm: Option<f64>) -> Result
     Ok(outcome)
 }
 
+/// What is wrong with a dark way between two places in work coordinates.
+fn objection(from: P2, to: P2, settings: &CheckSettings) -> Option<String> {
+    let lift = |p: P2| P3::new(p.x, p.y, 0.0);
+    let way = Move {
+        line: 1,
+        action: Action::Rapid,
+        from: lift(from),
+        to: lift(to),
+        feed_mm_per_min: 0.0,
+        power_s: 0.0,
+        beam: Beam::Off,
+        feeding: false,
+        bytes: 0,
+    };
+    check_moves(&[way], 1, settings).errors.into_iter().next().map(|finding| finding.message)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Library;
+
+    #[test]
+    fn a_dark_way_keeps_within_the_machine_and_off_what_stands_on_its_bed() {
+        let mut settings = job::check_settings(&Library::built_in().machine("diode-400").unwrap(), None);
+        settings.keep_outs = vec![("clamp".to_owned(), Rect { min: P2::new(40.0, 40.0), max: P2::new(60.0, 60.0) })];
+        let way = |to: [f64; 2]| objection(P2::new(10.0, 50.0), P2::from(to), &settings);
+        assert_eq!(way([200.0, 100.0]), None);
+        assert!(way([401.0, 50.0]).unwrap().contains("leaves the work area by 1.000 mm"));
+        assert!(way([200.0, 50.0]).unwrap().contains("clamp"));
+    }
 
     #[test]
     fn places_of_crosses_are_four_numbers() {

@@ -55,6 +55,11 @@ impl Board {
         self.settings.get(&number).map(|v| *v != 0.0)
     }
 
+    /// True when machine coordinates mean something: it was homed, or keeps soft limits, which need homing ($20), and has not started anew since.
+    pub fn knows_place(&self) -> bool {
+        self.homed || self.switch(20) == Some(true) && !self.restarted
+    }
+
     /// Bytes that may be under way. grblHAL's ring buffer holds one byte less than it tells; GRBL's holds what it tells.
     pub(super) fn window_bytes(&self) -> usize {
         match self.firmware {

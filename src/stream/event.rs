@@ -133,6 +133,11 @@ pub struct Ending {
 }
 
 impl Ending {
+    /// The same where the board had started anew before the job began, and so did not know where it was.
+    pub fn after_restart(self) -> Ending {
+        Ending { outcome: Outcome::Failed(Trouble::Restarted), position_kept: false, ..self }
+    }
+
     /// The account of the lines, for people.
     pub fn account(&self) -> String {
         let Ending { progress: Progress { executed, .. }, maybe, .. } = self;

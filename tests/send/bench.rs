@@ -1,7 +1,7 @@
 //! The program in a folder of its own, with or without somebody at its terminal, and an emulated board on a socket.
 
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
-use std::net::TcpListener;
+use std::net::{TcpListener, TcpStream};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -173,6 +173,10 @@ impl Socket {
         self.with(|board| board.power() == 0.0 && !board.is_moving())
     }
 
+    pub fn is_moving(&self) -> bool {
+        self.with(Board::is_moving)
+    }
+
     pub fn burnt_mm(&self) -> f64 {
         self.with(|board| board.trace().iter().filter(|s| s.is_lit()).map(|s| s.length_mm()).sum())
     }
@@ -189,6 +193,20 @@ impl Socket {
     /// Where the head really is, from the home corner.
     pub fn real_mm(&self) -> P3 {
         self.with(Board::head_mm)
+    }
+
+    /// Gives orders by hand, each when the one before is answered, in a connection of its own.
+    pub fn told(&self, orders: &[&str]) {
+        let mut stream = TcpStream::connect(self.port.trim_start_matches("tcp:")).expect("connects");
+        stream.set_read_timeout(Some(PATIENCE)).expect("set");
+        // A board that was just switched on hears nothing while it boots.
+        std::thread::sleep(Duration::from_millis(200));
+        let mut answers = BufReader::new(stream.try_clone().expect("a second handle")).lines().map_while(Result::ok);
+        for order in orders {
+            stream.write_all(format!("{order}\n").as_bytes()).expect("written");
+            let answer = answers.find(|line| line == "ok" || line.starts_with("error")).expect("an answer");
+            assert_eq!(answer, "ok", "{order}");
+        }
     }
 
     /// Ends the connection there is.

@@ -1,4 +1,4 @@
-//! Jobs that were stopped, killed, cut off or spoilt, and what comes of them afterwards; jobs laid by crosses; several machines at once.
+//! Jobs that were stopped, killed, cut off or spoilt, and what comes of them afterwards; jobs laid by crosses.
 
 use std::fs;
 
@@ -8,61 +8,7 @@ use furbelow::stream::ServedBoard;
 use serde_json::Value;
 
 use super::bench::{Running, Scratch, Socket, run};
-
-/// Rows of 80 mm, a millimetre apart, each its own path but for the last ones.
-fn rows(count: usize) -> String {
-    let mut text = String::from(
-        "; furbelow\n; sheet: 1/1 A4 297 x 210 mm\n; machine: diode-400\n; material: paper-160\n; crosses: X5.000 Y2.000 and X95.000 Y2.000 mm\nG21G90G94G17G54M5S0\nM4S0\nG0X10Y5\nG1X90S200F6000\n",
-    );
-    for k in 1..count {
-        text += &format!("Y{}\nX{}\n", 5 + k, if k % 2 == 1 { 10 } else { 90 });
-    }
-    text + "M5S0\nG0X0Y0\nM2\n"
-}
-
-/// What so many rows are long, mm.
-fn whole_mm(count: usize) -> f64 {
-    80.0 * count as f64 + (count - 1) as f64
-}
-
-fn homing() -> BoardSettings {
-    let settings = [(22, 1.0), (20, 1.0), (23, 3.0), (24, 600.0), (25, 6000.0)];
-    let settings = settings.iter().fold(Settings::default(), |s, (n, v)| s.with(*n, *v));
-    let mut hardware = BoardSettings { settings, ..BoardSettings::default() };
-    hardware.memory.offsets_mm[0] = V3::new(-398.0, -398.0, 0.0);
-    hardware
-}
-
-fn scratch() -> Scratch {
-    let scratch = Scratch::new();
-    scratch.write("rows.nc", &rows(30));
-    scratch
-}
-
-/// `send` of the rows until they are being cut.
-fn cutting(scratch: &Scratch, port: &str, more: &[&str]) -> Running {
-    cutting_beyond(14, scratch, port, more)
-}
-
-/// The same, until a line is surely carried out.
-fn cutting_beyond(executed: u64, scratch: &Scratch, port: &str, more: &[&str]) -> Running {
-    let send = ["send", "rows.nc", "--yes", "--json", "-m", "diode-400", "--port", port];
-    let mut running = Running::unattended(scratch, &[send.as_slice(), more].concat());
-    loop {
-        let line = running.wait_for("\"event\":\"status\"");
-        let event: Value = serde_json::from_str(&line).expect("an event");
-        if event["executed"].as_u64() > Some(executed) {
-            return running;
-        }
-    }
-}
-
-fn jobs(scratch: &Scratch) -> Vec<Value> {
-    let (code, stdout, stderr) = run(scratch, &["jobs", "--json"]);
-    assert_eq!(code, 0, "{stderr}");
-    let listed: Value = serde_json::from_str(&stdout).expect("JSON");
-    listed["jobs"].as_array().expect("a list").clone()
-}
+use super::rows::{cutting, cutting_beyond, homing, jobs, rows, scratch, whole_mm};
 
 #[test]
 fn a_stopped_job_goes_on_at_the_very_point_on_a_machine_that_homes() {
@@ -200,29 +146,6 @@ fn a_job_is_laid_by_its_crosses_where_the_head_stands_or_not_at_all() {
     assert_eq!((code, framed["bounds_mm"].to_string().as_str()), (0, "[13.0,9.0,93.0,11.0]"));
     let (code, _, stderr) = run(&scratch, &[frame.as_slice(), &["--from", "absolute"]].concat());
     assert!(code == 1 && stderr.contains("home it first"), "{stderr}");
-}
-
-#[test]
-fn several_machines_share_the_sheets_and_one_that_fails_holds_no_other_up() {
-    let scratch = Scratch::new();
-    for sheet in 1..=4 {
-        scratch.write(&format!("job/sheets/sheet-{sheet:02}.nc"), &rows(3));
-    }
-    let sockets = [Socket::new(BoardSettings::default()), Socket::new(BoardSettings::default())];
-    let members =
-        [sockets[0].port.as_str(), sockets[1].port.as_str(), "tcp:127.0.0.1:1"].map(|p| format!("diode-400@{p}"));
-    let (code, _, stderr) = run(&scratch, &["send", "job", "--yes", "--machines", &members.join(",")]);
-    assert!(code == 2 && stderr.contains("--pause-s"), "{stderr}");
-    let send = ["send", "job", "--yes", "--json", "--pause-s", "0", "--machines", &members.join(",")];
-    let (code, stdout, stderr) = run(&scratch, &send);
-    assert_eq!(code, 0, "{stdout}{stderr}");
-    let end: Value = serde_json::from_str(stdout.lines().last().expect("an end")).expect("JSON");
-    assert_eq!((end["done"].to_string().as_str(), &end["outcome"]), ("[1,2,3,4]", &"done".into()));
-    assert!(end["failures"][0].as_str().is_some_and(|why| why.contains("tcp:127.0.0.1:1")), "{end}");
-    let burnt: Vec<f64> = sockets.iter().map(Socket::burnt_mm).collect();
-    assert!((burnt.iter().sum::<f64>() - 4.0 * whole_mm(3)).abs() < 0.1, "{burnt:?}");
-    assert!(burnt.iter().all(|mm| *mm > 1.0), "both had some of it: {burnt:?}");
-    assert_eq!(jobs(&scratch).len(), 4);
 }
 
 #[test]

@@ -1,11 +1,17 @@
 //! The board before a job: homed or zeroed as asked, its settings set right, and nothing standing between it and the programs.
 
+use std::ops::Range;
+
 use super::super::connection::{self, EVENT_WAIT, failed, machine_failure, refused};
 use super::super::talk::OnInterrupt;
 use super::super::{Failure, home, jog};
 use super::Sending;
+use crate::geom::Rect;
 use crate::job;
 use crate::stream::{self, Command, Event, Finding, Outcome, State, Trouble, Weight};
+
+/// Work zero is the same when it is told so to three decimals, mm, of inches too.
+const SAME_ZERO_MM: f64 = 0.03;
 
 impl Sending<'_> {
     /// Brings the machine to where a job can start. False when the user has broken it off.
@@ -43,15 +49,15 @@ impl Sending<'_> {
         Ok(true)
     }
 
-    /// Tells what stands between the programs and this board, and sets the board right where that is agreed to.
+    /// Tells what stands between some of the programs and this board, and sets the board right where that is agreed to.
     ///
     /// # Errors
     /// Something that forbids sending.
-    pub(super) fn preflight(&mut self) -> Result<(), Failure> {
-        let mut findings = self.findings();
+    pub(super) fn preflight(&mut self, of: Range<usize>) -> Result<(), Failure> {
+        let mut findings = self.findings(of.clone());
         if self.set_right(&findings)? {
             self.ask_again()?;
-            findings = self.findings();
+            findings = self.findings(of);
         }
         if self.talk.interrupted() {
             return Ok(());
@@ -93,13 +99,20 @@ impl Sending<'_> {
         Ok(true)
     }
 
-    /// Objections to any of the programs, each once; with the program's name where not all of them are meant.
-    fn findings(&self) -> Vec<Finding> {
+    /// Objections to any of these programs, each once; with the program's name where not all of them are meant. Where one lies that is yet to be laid
+    /// is nothing to object to.
+    fn findings(&self, of: Range<usize>) -> Vec<Finding> {
         let expected = job::expected(&self.machine);
         let mut findings: Vec<(Finding, Vec<String>)> = Vec::new();
-        for program in &self.programs {
+        let sheets = of.len();
+        for k in of {
+            let program = &self.programs[k];
             let made_for = program.label.machine.as_deref();
-            for finding in stream::preflight(&program.survey.demand, made_for, &self.talk.board, &expected) {
+            let mut demand = program.survey.demand.clone();
+            if k >= self.placed {
+                demand.bounds = Rect::EMPTY;
+            }
+            for finding in stream::preflight(&demand, made_for, &self.talk.board, &expected) {
                 match findings.iter_mut().find(|(known, _)| *known == finding) {
                     Some((_, programs)) => programs.push(program.name()),
                     None => findings.push((finding, vec![program.name()])),
@@ -107,7 +120,7 @@ impl Sending<'_> {
             }
         }
         let name = |(mut finding, programs): (Finding, Vec<String>)| {
-            if programs.len() < self.programs.len() {
+            if programs.len() < sheets {
                 finding.message = format!("{}: {}", programs.join(", "), finding.message);
             }
             finding
@@ -132,12 +145,21 @@ impl Sending<'_> {
         }
     }
 
-    /// Lets the board read every program without moving. False when the user has broken it off.
+    /// Lets the board read some of the programs without moving, where that is asked for. False when the user has broken it off.
     ///
     /// # Errors
-    /// It refuses a line of them.
-    pub(super) fn check_on_board(&mut self) -> Result<bool, Failure> {
-        for k in 0..self.programs.len() {
+    /// It refuses a line of them, or forgets where work zero is.
+    pub(super) fn check_on_board(&mut self, of: Range<usize>) -> Result<bool, Failure> {
+        if !self.args.check_on_board {
+            return Ok(true);
+        }
+        if self.talk.answers.iter().any(|answer| is_shift(answer)) {
+            return Err(refused(
+                "work zero is shifted by G92, which the board forgets when it leaves its check mode: leave --check-on-board out, or clear it (G92.1, in furbelow console), put the head at the sheet's corner and give --zero",
+            ));
+        }
+        let was_mm = self.talk.board.offset_mm;
+        for k in of {
             let lines = self.programs[k].open()?;
             self.talk.on_interrupt(OnInterrupt::Stop);
             self.talk.command(Command::Check { lines });
@@ -163,6 +185,29 @@ impl Sending<'_> {
             }
             self.talk.wait_for_rest()?;
         }
+        let moved = |(was, is): ([f64; 3], [f64; 3])| (0..3).any(|axis| (was[axis] - is[axis]).abs() > SAME_ZERO_MM);
+        if was_mm.zip(self.talk.board.offset_mm).is_some_and(moved) {
+            return Err(refused(
+                "work zero is no longer where it was before the board's check: put the head at the sheet's corner and give --zero, or leave --check-on-board out",
+            ));
+        }
         Ok(true)
+    }
+}
+
+/// True for an answer to `$#` that tells of a shift by G92: "[G92:0.000,-5.000,0.000]".
+fn is_shift(answer: &str) -> bool {
+    let places = answer.strip_prefix("[G92:").and_then(|rest| rest.strip_suffix(']'));
+    places.is_some_and(|places| places.split(',').any(|place| place.parse() != Ok(0.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shift_by_g92_is_told_from_none() {
+        assert!(is_shift("[G92:0.000,-5.000,0.000]") && is_shift("[G92:0.001,0.000]"));
+        assert!(!is_shift("[G92:0.000,0.000,-0.000]") && !is_shift("[G54:-5.000,0.000,0.000]") && !is_shift("ok"));
     }
 }

@@ -15,12 +15,15 @@ use super::super::connection::{
 use super::super::{Exit, Failure, output};
 use super::keeping::Keeping;
 use super::program::Program;
-use super::{Args, check, files};
+use super::{Args, check, files, setup};
 use crate::config::{Library, Machine};
 use crate::job;
 use crate::stream::{
     self, Board, Command, Ending, Event, Head, Link, Outcome, State, Status, Trouble, Weight, lasting_name,
 };
+
+/// Reports that are waited for before a sheet is cut: the first may have been under way before.
+const FRESH_REPORTS: usize = 2;
 
 /// One machine of several.
 struct Member {
@@ -34,6 +37,20 @@ struct Member {
     programs: Vec<Program>,
 }
 
+/// Where a signal goes.
+struct Ear {
+    commands: Sender<Command>,
+    /// It seeks its switches, and hears nothing but a reset.
+    homes: Arc<AtomicBool>,
+}
+
+/// A machine that is being served: its board, and what was last heard of it.
+struct Served {
+    link: Link,
+    board: Board,
+    status: Status,
+}
+
 /// What all machines share.
 struct Fleet<'a> {
     args: &'a Args,
@@ -42,7 +59,7 @@ struct Fleet<'a> {
     done: Mutex<Vec<usize>>,
     began: Instant,
     interrupted: Arc<AtomicBool>,
-    sessions: Arc<Mutex<Vec<Sender<Command>>>>,
+    ears: Arc<Mutex<Vec<Ear>>>,
 }
 
 /// Sends all sheets to all machines.
@@ -70,13 +87,21 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         done: Mutex::new(Vec::new()),
         began: Instant::now(),
         interrupted: Arc::default(),
-        sessions: Arc::default(),
+        ears: Arc::default(),
     };
-    let (interrupted, sessions) = (Arc::clone(&fleet.interrupted), Arc::clone(&fleet.sessions));
+    for member in &members {
+        let mut warn = |_: &str, message: &str| fleet.tell(member, None, "warning", message);
+        // What is to be done before was done: --yes says so.
+        setup(args, &member.machine, &member.programs, &mut warn)?;
+    }
+    let (interrupted, ears) = (Arc::clone(&fleet.interrupted), Arc::clone(&fleet.ears));
     let on_interrupt = move || {
         interrupted.store(true, Ordering::SeqCst);
-        // A session that has ended has told why.
-        locked(&sessions).iter().for_each(|session| _ = session.send(Command::Stop));
+        for ear in locked(&ears).iter() {
+            let command = if ear.homes.load(Ordering::SeqCst) { Command::Reset } else { Command::Stop };
+            // A session that has ended has told why.
+            let _ = ear.commands.send(command);
+        }
     };
     ctrlc::set_handler(on_interrupt).map_err(Failure::config)?;
     let failures: Vec<String> = std::thread::scope(|scope| {
@@ -125,16 +150,19 @@ impl Fleet<'_> {
     /// Takes sheets for one machine until there are no more.
     fn serve(&self, member: &Member) -> Result<(), Failure> {
         let link = open_at(&member.port, member.machine.controller.baud)?;
-        locked(&self.sessions).extend(link.commands());
-        let (mut board, mut status) = wait_until_asked(&link, &mut Vec::new(), false)?;
-        if self.args.home {
-            (board, status) = home(&link)?;
+        let homes = Arc::new(AtomicBool::new(self.args.home));
+        locked(&self.ears).extend(link.commands().map(|commands| Ear { commands, homes: Arc::clone(&homes) }));
+        let (board, status) = wait_until_asked(&link, &mut Vec::new(), false)?;
+        let mut served = Served { link, board, status };
+        if self.args.home && !self.home(&mut served)? {
+            return Ok(());
         }
-        connection::require_idle(&status)?;
+        homes.store(false, Ordering::SeqCst);
+        connection::require_idle(&served.status)?;
         let mut first = true;
         while let Some(k) = self.next() {
-            let cut = self.load(member, k, std::mem::take(&mut first)).and_then(|goes_on| match goes_on {
-                true => self.cut(member, k, &link, &board, &mut status).map(Some),
+            let cut = self.load(member, k, std::mem::take(&mut first), &mut served).and_then(|goes_on| match goes_on {
+                true => self.cut(member, k, &mut served).map(Some),
                 false => Ok(None),
             });
             match cut {
@@ -168,25 +196,65 @@ impl Fleet<'_> {
     }
 
     /// Gives whoever loads the time for it. False when it was stopped meanwhile.
-    fn load(&self, member: &Member, k: usize, first: bool) -> Result<bool, Failure> {
+    ///
+    /// # Errors
+    /// The board fails or starts anew meanwhile, or is not idle afterwards.
+    fn load(&self, member: &Member, k: usize, first: bool, served: &mut Served) -> Result<bool, Failure> {
         let program = &member.programs[k];
         let stock = program.stock().unwrap_or_else(|| program.name());
         self.tell(member, Some(k), "load", &format!("sheet {}: {stock}", k + self.args.from_sheet))?;
         let until = Instant::now() + Duration::from_secs(self.args.pause_s.filter(|_| !first).unwrap_or(0).into());
-        while Instant::now() < until && !self.interrupted.load(Ordering::SeqCst) {
-            std::thread::sleep(EVENT_WAIT.min(until.saturating_duration_since(Instant::now())));
+        // What had come before counts too; the reports after it say how the board stands now.
+        let mut fresh = 0;
+        while (Instant::now() < until || fresh < FRESH_REPORTS) && !self.interrupted.load(Ordering::SeqCst) {
+            let left = until.saturating_duration_since(Instant::now());
+            fresh += usize::from(served.heed(EVENT_WAIT)? && left.is_zero());
         }
-        Ok(!self.interrupted.load(Ordering::SeqCst))
+        if self.interrupted.load(Ordering::SeqCst) {
+            return Ok(false);
+        }
+        connection::require_idle(&served.status).map(|()| true)
     }
 
-    fn cut(
-        &self,
-        member: &Member,
-        k: usize,
-        link: &Link,
-        board: &Board,
-        status: &mut Status,
-    ) -> Result<Ending, Failure> {
+    /// Seeks the switches and asks everything again. False when it was stopped meanwhile.
+    fn home(&self, served: &mut Served) -> Result<bool, Failure> {
+        if self.interrupted.load(Ordering::SeqCst) {
+            return Ok(false);
+        }
+        served.link.command(Command::Home);
+        let mut homed = false;
+        loop {
+            let event = served.link.next(EVENT_WAIT).map(|(_, event)| event);
+            // Then troubles and a new start are what was asked for.
+            if self.interrupted.load(Ordering::SeqCst) {
+                return Ok(false);
+            }
+            match event {
+                Some(Event::Answered { error: None, .. }) => {
+                    homed = true;
+                    served.link.command(Command::Ask);
+                }
+                Some(Event::Answered { error: Some(code), .. }) => {
+                    return Err(failed(format!("it cannot be homed: error:{code}")));
+                }
+                Some(Event::Ready(board)) if homed => {
+                    served.board = board;
+                    while served.status.state != State::Idle {
+                        served.heed(EVENT_WAIT)?;
+                    }
+                    served.heed(EVENT_WAIT)?;
+                    return Ok(true);
+                }
+                Some(Event::Trouble(trouble)) => return Err(machine_failure(trouble)),
+                Some(Event::Denied(reason)) => return Err(failed(reason)),
+                Some(Event::Restarted) => return Err(machine_failure(Trouble::Restarted)),
+                Some(_) | None => {}
+            }
+        }
+    }
+
+    fn cut(&self, member: &Member, k: usize, served: &mut Served) -> Result<Ending, Failure> {
+        let Served { link, board, status } = served;
         let program = &member.programs[k];
         let expected = job::expected(&member.machine);
         for finding in stream::preflight(&program.survey.demand, program.label.machine.as_deref(), board, &expected) {
@@ -200,6 +268,7 @@ impl Fleet<'_> {
         head.sheet = program.place((place, self.args.from_sheet - 1 + member.programs.len()));
         head.laser = member.machine.tool.class.is_laser();
         head.start_mm = status.work_mm;
+        head.anyway = self.args.anyway;
         let (mut keeping, lines) = Keeping::take_up(program, head, None)?;
         let number = keeping.number().map_or(String::new(), |number| format!(", job {number}"));
         self.tell(member, Some(k), "sheet", &format!("{}{number}", program.name()))?;
@@ -219,6 +288,7 @@ impl Fleet<'_> {
         status: &mut Status,
     ) -> Result<Ending, Failure> {
         let mut waited = Duration::ZERO;
+        let mut restarted = false;
         loop {
             if let Some(complaint) = keeping.complaint() {
                 self.tell(member, Some(k), "warning", &complaint)?;
@@ -243,6 +313,12 @@ impl Fleet<'_> {
                 }
                 Event::Message(message) => self.tell(member, Some(k), "message", &message)?,
                 Event::Denied(reason) if !self.interrupted.load(Ordering::SeqCst) => return Err(failed(reason)),
+                // It lost its place before it was told the first line.
+                Event::Restarted => {
+                    restarted = true;
+                    link.command(Command::Stop);
+                }
+                Event::Ended(ending) if restarted => return Ok(ending.after_restart()),
                 Event::Ended(ending) => return Ok(ending),
                 _ => {}
             }
@@ -289,38 +365,21 @@ impl Fleet<'_> {
     }
 }
 
-/// Seeks the switches and asks everything again.
-fn home(link: &Link) -> Result<(Board, Status), Failure> {
-    link.command(Command::Home);
-    let mut homed = false;
-    loop {
-        match link.next(EVENT_WAIT) {
-            Some((_, Event::Answered { error: None, .. })) => {
-                homed = true;
-                link.command(Command::Ask);
+impl Served {
+    /// Lets the board speak once. True when it reported.
+    ///
+    /// # Errors
+    /// It fails, or starts anew.
+    fn heed(&mut self, wait: Duration) -> Result<bool, Failure> {
+        match self.link.next(wait) {
+            Some((_, Event::Status(status, _))) => {
+                self.board.offset_mm = connection::offset(&status).or(self.board.offset_mm);
+                self.status = status;
+                Ok(true)
             }
-            Some((_, Event::Answered { error: Some(code), .. })) => {
-                return Err(failed(format!("it cannot be homed: error:{code}")));
-            }
-            Some((_, Event::Ready(board))) if homed => {
-                let status = rest(link)?;
-                return Ok((Board { offset_mm: connection::offset(&status).or(board.offset_mm), ..board }, status));
-            }
-            Some((_, Event::Trouble(trouble))) => return Err(machine_failure(trouble)),
-            Some((_, Event::Denied(reason))) => return Err(failed(reason)),
-            Some((_, Event::Restarted)) => return Err(machine_failure(Trouble::Restarted)),
-            Some(_) | None => {}
-        }
-    }
-}
-
-/// Waits for a report of rest.
-fn rest(link: &Link) -> Result<Status, Failure> {
-    loop {
-        match link.next(EVENT_WAIT) {
-            Some((_, Event::Status(status, _))) if status.state == State::Idle => return Ok(status),
-            Some((_, Event::Trouble(trouble))) => return Err(machine_failure(trouble)),
-            Some(_) | None => {}
+            Some((_, Event::Trouble(trouble))) => Err(machine_failure(trouble)),
+            Some((_, Event::Restarted)) => Err(machine_failure(Trouble::Restarted)),
+            Some(_) | None => Ok(false),
         }
     }
 }

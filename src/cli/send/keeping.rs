@@ -32,7 +32,7 @@ impl Keeping {
         before: Option<&Record>,
     ) -> Result<(Keeping, Lines), Failure> {
         head.began_unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-        head.crosses_mm = program.crosses_mm;
+        (head.crosses_mm, head.own_zero_mm) = (program.crosses_mm, program.own_zero_mm);
         head.resumes = before.map(|record| record.number);
         let mut keeping = Keeping {
             recorder: None,
@@ -115,6 +115,7 @@ impl Sending<'_> {
         head.sheet = self.place(k);
         head.laser = self.machine.tool.class.is_laser();
         head.start_mm = self.talk.status.work_mm;
+        head.anyway = self.args.anyway;
         Keeping::take_up(program, head, self.resumes.as_ref())
     }
 

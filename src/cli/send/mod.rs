@@ -91,6 +91,8 @@ struct Sending<'a> {
     scratch: tempfile::TempDir,
     /// The job this one goes on with.
     resumes: Option<Record>,
+    /// So many of the programs, from the first on, lie where they are to be cut.
+    placed: usize,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -146,9 +148,15 @@ fn send(args: &Args, at: &Where, machine: Machine, teller: &mut Teller) -> Resul
             output::count(files.len(), "sheet")
         )));
     }
+    if files.len() > 1 && args.placing.is_of_one_sheet() {
+        return Err(Failure::config(format!(
+            "--align gives the crosses of one sheet, and there are {}: send them one by one, or give --align alone and move the head onto the crosses of each",
+            files.len()
+        )));
+    }
     // All sheets before the first is cut: a set that cannot be finished is not begun.
     let programs = check(&files, &machine)?;
-    let setup = setup(args, &machine, &programs, teller)?;
+    let setup = setup(args, &machine, &programs, &mut |code, message| teller.warn(code, message))?;
     for program in &programs {
         if program.warnings > 0 {
             let count = output::count(program.warnings, "warning");
@@ -158,7 +166,8 @@ fn send(args: &Args, at: &Where, machine: Machine, teller: &mut Teller) -> Resul
     let talk = Talk::open(&at.port, &machine)?;
     let keyboard = somebody.then(Keyboard::open);
     let scratch = tempfile::tempdir()?;
-    let mut sending = Sending { args, at, machine, programs, setup, keyboard, talk, teller, scratch, resumes: None };
+    let (resumes, placed) = (None, 0);
+    let mut sending = Sending { args, at, machine, programs, setup, keyboard, talk, teller, scratch, resumes, placed };
     if !sending.get_ready()? || !sending.place_programs()? {
         return Ok(Outcome::Stopped);
     }
@@ -168,8 +177,8 @@ fn send(args: &Args, at: &Where, machine: Machine, teller: &mut Teller) -> Resul
 impl Sending<'_> {
     /// From a machine that is ready and programs that lie where they should to the end of the last sheet.
     fn go(&mut self) -> Result<Outcome, Failure> {
-        self.preflight()?;
-        if self.args.check_on_board && !self.check_on_board()? {
+        self.preflight(0..self.programs.len())?;
+        if !self.check_on_board(0..self.placed)? {
             return Ok(Outcome::Stopped);
         }
         if !self.tick_off()? {
@@ -211,18 +220,23 @@ fn check(files: &[PathBuf], machine: &Machine) -> Result<Vec<Program>, Failure> 
     programs
 }
 
-/// The machine's checklist and that of every material, each step once; doubts about where values come from are told.
+/// The machine's checklist and that of every material, each step once; doubts about where values come from are told to `warn`, code first.
 ///
 /// # Errors
 /// A material that must never go under this tool.
-fn setup(args: &Args, machine: &Machine, programs: &[Program], teller: &Teller) -> Result<Vec<String>, Failure> {
+fn setup(
+    args: &Args,
+    machine: &Machine,
+    programs: &[Program],
+    warn: &mut dyn FnMut(&str, &str) -> Result<(), Failure>,
+) -> Result<Vec<String>, Failure> {
     let library = Library::open();
     let mut steps = machine.setup.clone();
     let mut told = Vec::new();
     for program in programs {
         for doubt in program.label.doubts(machine) {
             if !told.contains(&doubt.message) {
-                teller.warn(doubt.code, &doubt.message)?;
+                warn(doubt.code, &doubt.message)?;
                 told.push(doubt.message);
             }
         }

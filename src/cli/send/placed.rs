@@ -7,21 +7,37 @@ use crate::gcode::{Restart, Rewriter};
 use crate::geom::{P3, Similarity};
 
 impl Sending<'_> {
-    /// Lays every program where the arguments say. False when the user has broken it off.
+    /// Lays the programs where the arguments say: all of them, or the first where each sheet is aligned when it lies on the bed. False when the user
+    /// has broken it off.
+    ///
+    /// # Errors
+    /// They cannot lie there.
+    pub(super) fn place_programs(&mut self) -> Result<bool, Failure> {
+        let placing = &self.args.placing;
+        let sheets = if placing.is_aligned() { 1 } else { self.programs.len() };
+        if !placing.is_asked_for() {
+            self.placed = sheets;
+            return Ok(true);
+        }
+        for _ in 0..sheets {
+            if !self.place_next()? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Lays the next program where the arguments say. False when the user has broken it off.
     ///
     /// # Errors
     /// It cannot lie there.
-    pub(super) fn place_programs(&mut self) -> Result<bool, Failure> {
-        if !self.args.placing.is_asked_for() {
-            return Ok(true);
-        }
-        for k in 0..self.programs.len() {
-            let crosses_mm = self.programs[k].crosses_mm;
-            let keyboard = self.keyboard.as_ref();
-            let placing = self.args.placing.solve(crosses_mm, &mut self.talk, &self.machine, keyboard)?;
-            let Some(placing) = placing else { return Ok(false) };
-            self.lay(k, P3::origin(), placing, None)?;
-        }
+    pub(super) fn place_next(&mut self) -> Result<bool, Failure> {
+        let k = self.placed;
+        let (crosses_mm, keyboard) = (self.programs[k].crosses_mm, self.keyboard.as_ref());
+        let placing = self.args.placing.solve(crosses_mm, &mut self.talk, &self.machine, keyboard)?;
+        let Some(placing) = placing else { return Ok(false) };
+        self.lay(k, P3::origin(), placing, None)?;
+        self.placed = k + 1;
         Ok(true)
     }
 

@@ -34,6 +34,8 @@ pub(super) struct Program {
     pub(super) warnings: usize,
     /// Middles of its two alignment crosses, mm in work coordinates.
     pub(super) crosses_mm: Option<[[f64; 2]; 2]>,
+    /// Where its own X0 Y0 lies, mm in work coordinates.
+    pub(super) own_zero_mm: [f64; 2],
 }
 
 impl Program {
@@ -64,7 +66,8 @@ impl Program {
         }
         let (lines, warnings) = (report.lines, report.warnings.len());
         let crosses_mm = label.crosses_mm;
-        Ok(Program { path: path.to_owned(), name, stamp: file.stamp(), label, survey, lines, warnings, crosses_mm })
+        let (path, stamp, own_zero_mm) = (path.to_owned(), file.stamp(), [0.0; 2]);
+        Ok(Program { path, name, stamp, label, survey, lines, warnings, crosses_mm, own_zero_mm })
     }
 
     /// What people call it.
@@ -96,6 +99,7 @@ impl Program {
         // The file's own remark on its crosses is that of the original.
         let placed = |[x, y]: [f64; 2]| (placing * P2::new(x, y)).into();
         program.crosses_mm = self.crosses_mm.map(|crosses| crosses.map(placed));
+        program.own_zero_mm = placed(self.own_zero_mm);
         Ok(program)
     }
 

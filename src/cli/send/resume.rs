@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 use super::super::connection::{Where, refused};
 use super::super::keyboard::Keyboard;
-use super::super::placing::{Placing, anywhere, drive_to, knows_place};
+use super::super::placing::{Placing, anywhere, drive_to};
 use super::super::talk::Talk;
 use super::super::{Failure, jobs, output};
 use super::program::Program;
@@ -43,7 +43,7 @@ pub struct Args {
     /// Home the machine first
     #[arg(long)]
     home: bool,
-    /// The head stands where the job's work zero was: make it work zero again
+    /// The head stands where the job's X0 Y0 was: make it work zero
     #[arg(long)]
     zero: bool,
     /// Find the sheet by the job's two alignment crosses, at X1,Y1,X2,Y2 in work coordinates; without them the head is moved onto them
@@ -92,7 +92,7 @@ pub(in crate::cli) fn run(args: &Args) -> Result<(), Failure> {
         check_on_board: false,
         yes: args.yes,
         pause_s: None,
-        anyway: false,
+        anyway: record.head.anyway,
         json: args.json,
     };
     let sent = resume(args, &sending_args, &at, machine, record, &mut teller);
@@ -152,7 +152,7 @@ fn resume(
         return Ok(Outcome::Done);
     };
     let programs = vec![program];
-    let setup = setup(sending_args, &machine, &programs, teller)?;
+    let setup = setup(sending_args, &machine, &programs, &mut |code, message| teller.warn(code, message))?;
     let talk = Talk::open(&at.port, &machine)?;
     let keyboard = somebody.then(Keyboard::open);
     let scratch = tempfile::tempdir()?;
@@ -167,13 +167,16 @@ fn resume(
         teller,
         scratch,
         resumes: Some(record),
+        placed: 1,
     };
     if !sending.get_ready()? {
         return Ok(Outcome::Stopped);
     }
     let Some(placing) = sending.placing_again()? else { return Ok(Outcome::Stopped) };
     let start_mm = sending.resumes.as_ref().and_then(|r| r.head.start_mm).map_or(P3::origin(), P3::from);
-    sending.programs[0].crosses_mm = sending.resumes.as_ref().and_then(|r| r.head.crosses_mm);
+    if let Some(Record { head, .. }) = &sending.resumes {
+        (sending.programs[0].crosses_mm, sending.programs[0].own_zero_mm) = (head.crosses_mm, head.own_zero_mm);
+    }
     sending.lay(0, start_mm, placing, Some(from))?;
     if !sending.sheet_is_there()? {
         return Ok(Outcome::Stopped);
@@ -230,24 +233,26 @@ impl Sending<'_> {
             return self.args.placing.solve(head.crosses_mm, &mut self.talk, &self.machine, keyboard);
         }
         if self.args.zero {
-            return Ok(Some(Similarity::identity()));
+            return Ok(Some(Similarity::new(-V2::from(head.own_zero_mm), 0.0, 1.0)));
         }
         let last_mm = record.notes.iter().rev().find_map(|note| note.machine_mm);
         let near = |a: [f64; 3], b: [f64; 3]| (0..2).all(|k| (a[k] - b[k]).abs() <= SAME_PLACE_MM);
         let unmoved = last_mm.zip(self.talk.status.machine_mm).is_some_and(|(a, b)| near(a, b));
+        let board = &self.talk.board;
         // A board that has not started anew since, and stands where it stood, still counts from where it did.
-        let counts_on = !self.talk.board.restarted && !self.talk.board.homed && record.position_kept() && unmoved;
-        let homed_both = head.homed && self.talk.board.homed;
-        let (was, is) = (head.offset_mm, self.talk.board.offset_mm);
-        match was.zip(is) {
-            Some((was, is)) if counts_on || homed_both || knows_place(&self.talk) && near(was, is) => {
+        let counts_on = !board.restarted && !board.homed && record.position_kept() && unmoved;
+        let homed_both = head.homed && board.homed;
+        // Homing finds again what was lost in between, where the job's own coordinates were those of homing too.
+        let knows_on = head.knew_place && board.knows_place() && (board.homed || !record.position_lost());
+        match head.offset_mm.zip(board.offset_mm) {
+            Some((was, is)) if counts_on || homed_both || knows_on && near(was, is) => {
                 Ok(Some(Similarity::new(V2::new(was[0] - is[0], was[1] - is[1]), 0.0, 1.0)))
             }
             _ if self.talk.homes() => Err(refused(
-                "the machine may have lost its place: --home homes it (which helps when it was homed before the job too); or --align finds the sheet by its crosses; or put the head where work zero was and give --zero",
+                "the machine may have lost its place: --home homes it (which helps when it was homed before the job too); or --align finds the sheet by its crosses; or put the head where the job's X0 Y0 was and give --zero",
             )),
             _ => Err(refused(
-                "the machine has no switches and its board has forgotten where the head is: put the head where work zero was and give --zero, or find the sheet by its crosses with --align",
+                "the machine has no switches and its board has forgotten where the head is: put the head where the job's X0 Y0 was and give --zero, or find the sheet by its crosses with --align",
             )),
         }
     }
@@ -262,7 +267,7 @@ impl Sending<'_> {
                 None => return Ok(true),
             },
         };
-        if drive_to(&mut self.talk, place, self.machine.up_mm())? != Outcome::Done {
+        if drive_to(&mut self.talk, &self.machine, place)? != Outcome::Done {
             return Ok(false);
         }
         self.teller.say(&format!("the head stands over {what}, beam off: {}", self.talk.place()));

@@ -87,6 +87,7 @@ impl Sending<'_> {
     fn follow(&mut self, mut forecast: Forecast, keeping: &mut Keeping) -> Result<Ending, Failure> {
         let mut feed_percent = 100;
         let mut runs = false;
+        let mut restarted = false;
         loop {
             self.obey_keyboard(&mut feed_percent);
             match self.talk.next(EVENT_WAIT) {
@@ -105,6 +106,12 @@ impl Sending<'_> {
                 // Told of a word that was typed; before the first line it means that nothing begins.
                 Some(Event::Denied(reason)) if runs || self.talk.interrupted() => self.teller.note("denied", reason)?,
                 Some(Event::Denied(reason)) => return Err(failed(reason)),
+                // It lost its place before it was told the first line; in the middle of them that is trouble of its own.
+                Some(Event::Restarted) => {
+                    restarted = true;
+                    self.talk.command(Command::Stop);
+                }
+                Some(Event::Ended(ending)) if restarted => return Ok(ending.after_restart()),
                 Some(Event::Ended(ending)) => return Ok(ending),
                 Some(_) | None => {}
             }
@@ -128,7 +135,7 @@ impl Sending<'_> {
         let stock = program.stock().unwrap_or_else(|| program.name());
         self.teller.note("load", &format!("load sheet {number} of {of}: {stock}"))?;
         let Some(pause_s) = self.args.pause_s else {
-            return Ok(self.ask("Enter goes on, Ctrl-C ends here")?.is_some());
+            return Ok(self.ask("Enter goes on, Ctrl-C ends here")?.is_some() && self.place_loaded(k)?);
         };
         self.teller.say(&format!("it is cut in {pause_s} s; Ctrl-C ends here"));
         let until = Instant::now() + Duration::from_secs(pause_s.into());
@@ -137,7 +144,19 @@ impl Sending<'_> {
                 return Ok(false);
             }
         }
-        Ok(true)
+        self.place_loaded(k)
+    }
+
+    /// A sheet that is aligned when it lies on the bed is laid and looked at as the first was. False when the user has had enough.
+    fn place_loaded(&mut self, k: usize) -> Result<bool, Failure> {
+        if k < self.placed {
+            return Ok(true);
+        }
+        if !self.place_next()? {
+            return Ok(false);
+        }
+        self.preflight(k..k + 1)?;
+        self.check_on_board(k..k + 1)
     }
 
     /// Asks something and waits for a line; what was typed before does not count. `None` when the user has stopped it instead.

@@ -33,10 +33,19 @@ pub struct Head {
     pub settings_sha256: String,
     /// The machine had been homed: its coordinates mean the same after it is homed again.
     pub homed: bool,
+    /// Its coordinates meant something, homed in that session or before: they still do while the board is not restarted.
+    #[serde(default)]
+    pub knew_place: bool,
     /// Where work zero lay in machine coordinates.
     pub offset_mm: Option<[f64; 3]>,
     /// Where the head stood in work coordinates.
     pub start_mm: Option<[f64; 3]>,
+    /// Where the program's own X0 Y0 lay in work coordinates, before it was laid elsewhere.
+    #[serde(default)]
+    pub own_zero_mm: [f64; 2],
+    /// It was sent although it was made for another machine.
+    #[serde(default)]
+    pub anyway: bool,
     /// Middles of the two alignment crosses in work coordinates, where the program has some.
     pub crosses_mm: Option<[[f64; 2]; 2]>,
     /// The job it goes on with.
@@ -62,8 +71,11 @@ impl Head {
             blocks: board.blocks,
             settings_sha256: settings_hash(board),
             homed: board.homed,
+            knew_place: board.knows_place(),
             offset_mm: board.offset_mm,
             start_mm: None,
+            own_zero_mm: [0.0; 2],
+            anyway: false,
             crosses_mm: None,
             resumes: None,
             program_sha256: String::new(),

@@ -98,6 +98,12 @@ impl Record {
         self.last().is_some_and(|note| note.position_kept)
     }
 
+    /// The board had lost its place when the job ended. A job whose sender was killed says nothing of that.
+    pub fn position_lost(&self) -> bool {
+        let lost = |note: &Note| matches!(note.mark, Mark::Stopped | Mark::Failed) && !note.position_kept;
+        self.notes.iter().any(lost)
+    }
+
     /// The job that goes on with it.
     pub fn resumed_by(&self) -> Option<u32> {
         let note = self.notes.iter().rfind(|note| note.mark == Mark::Resumed)?;

@@ -109,7 +109,16 @@ fn trouble_that_may_have_spoilt_something_marks_the_job() {
     let mut recorder = begun(&journal);
     recorder.note(&Note::of_ending(1.1, &ending(Outcome::Failed(Trouble::Silent(2.0))))).unwrap();
     drop(recorder);
-    assert_eq!(journal.record(2).unwrap().standing, Standing::Failed);
+    let record = journal.record(2).unwrap();
+    assert_eq!((record.standing, record.position_lost()), (Standing::Failed, false));
+    let mut recorder = begun(&journal);
+    let lost = Ending { position_kept: false, ..ending(Outcome::Stopped) };
+    recorder.note(&Note::of_ending(1.1, &lost)).unwrap();
+    drop(recorder);
+    let record = journal.record(3).unwrap();
+    assert!(record.position_lost());
+    record.resumed(4).unwrap();
+    assert!(journal.record(3).unwrap().position_lost(), "that another went on with it changes nothing");
 }
 
 #[test]
