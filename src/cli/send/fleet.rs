@@ -19,7 +19,7 @@ use super::{Args, check, files, setup};
 use crate::config::{Library, Machine};
 use crate::job;
 use crate::stream::{
-    self, Board, Command, Ending, Event, Head, Link, Outcome, State, Status, Trouble, Weight, lasting_name,
+    self, Address, Board, Command, Ending, Event, Head, Link, Outcome, State, Status, Trouble, Weight, lasting_name,
 };
 
 /// Reports that are waited for before a sheet is cut: the first may have been under way before.
@@ -134,7 +134,9 @@ fn members(args: &Args, files: &[PathBuf]) -> Result<Vec<Member>, Failure> {
         let (machine_name, port) = text.split_once('@').ok_or_else(|| {
             Failure::config(format!("--machines {text}: each is NAME@PORT, such as diode-400@/dev/ttyUSB0"))
         })?;
-        if let Some(twin) = members.iter().find(|member| member.port == port && port != "emulator") {
+        if let Some(twin) =
+            members.iter().find(|member| member.port == port && !matches!(Address::parse(port), Address::Emulator(_)))
+        {
             return Err(Failure::config(format!("--machines: {} and {text} hang on the same port", twin.name)));
         }
         let machine = library.machine(machine_name)?;
