@@ -183,7 +183,7 @@ fn by_hand(
     let mut found = [P2::origin(); 2];
     for (k, name) in ["first", "second"].into_iter().enumerate() {
         let shift = if k == 1 { found[0] - planned[0] } else { V2::zeros() };
-        if drive_to(talk, planned[k] + shift, machine.up_mm())? != Outcome::Done {
+        if drive_to(talk, machine, planned[k] + shift)? != Outcome::Done {
             return Ok(None);
         }
         let mut question = format!(
@@ -213,10 +213,10 @@ fn by_hand(
 ///
 /// # Errors
 /// A machine that does not obey.
-pub(super) fn drive_to(talk: &mut Talk, place: P2, up_mm: Option<f64>) -> Result<Outcome, Failure> {
+pub(super) fn drive_to(talk: &mut Talk, machine: &Machine, place: P2) -> Result<Outcome, Failure> {
     connection::require_idle(&talk.status)?;
     talk.on_interrupt(super::talk::OnInterrupt::Stop);
-    let outcome = drive(talk, Frame::way_to([place.x, place.y], up_mm))?;
+    let outcome = drive(talk, Frame::way_to([place.x, place.y], machine.up_mm()))?;
     talk.on_interrupt(super::talk::OnInterrupt::Leave);
     if let Outcome::Failed(trouble) = outcome {
         return Err(connection::machine_failure(trouble));

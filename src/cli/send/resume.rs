@@ -262,7 +262,7 @@ impl Sending<'_> {
                 None => return Ok(true),
             },
         };
-        if drive_to(&mut self.talk, place, self.machine.up_mm())? != Outcome::Done {
+        if drive_to(&mut self.talk, &self.machine, place)? != Outcome::Done {
             return Ok(false);
         }
         self.teller.say(&format!("the head stands over {what}, beam off: {}", self.talk.place()));
