@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use serde_json::json;
 
-use super::connection::{EVENT_WAIT, READY_WAIT_S, failed, machine_failure, offset, open_at, wait_until_asked};
+use super::connection::{EVENT_WAIT, READY_WAIT_S, failed, machine_failure, open_at, wait_until_asked};
 use super::{Exit, Failure};
 use crate::config::Machine;
 use crate::stream::{Board, Command, Ending, Event, Link, Status, Trouble, error_advice};
@@ -97,7 +97,7 @@ impl Talk {
     pub(super) fn next(&mut self, wait: Duration) -> Option<Event> {
         let (_, event) = self.link.next(wait)?;
         if let Event::Status(status, _) = &event {
-            self.board.offset_mm = offset(status).or(self.board.offset_mm);
+            self.board.seen(status);
             self.status = status.clone();
         }
         Some(event)
