@@ -82,24 +82,17 @@ pub(super) fn wait_until_asked(
             Some((_, Event::Trouble(trouble))) => return Err(machine_failure(trouble)),
             Some((_, Event::Status(status, _))) => {
                 reports += usize::from(ready.is_some());
-                let known = offset(&status);
-                if known.is_none() && reports < ZERO_REPORTS {
+                if status.machine_mm.zip(status.work_mm).is_none() && reports < ZERO_REPORTS {
                     continue;
                 }
                 let Some(mut board) = ready.take() else { continue };
-                board.offset_mm = known.or(board.offset_mm);
+                board.seen(&status);
                 return Ok((board, status));
             }
             Some(_) => {}
         }
     }
     Err(failed("the board does not answer as GRBL does: wrong port, or wrong baud in the machine file"))
-}
-
-/// Where work zero lies in machine coordinates, mm, when a report tells.
-pub(super) fn offset(status: &Status) -> Option<[f64; 3]> {
-    let (machine, work) = (status.machine_mm?, status.work_mm?);
-    Some(std::array::from_fn(|k| machine[k] - work[k]))
 }
 
 /// An error unless the machine is idle.

@@ -132,16 +132,16 @@ pub(super) fn corner(talk: &Talk, machine: &Machine) -> Result<P2, Failure> {
         refused("the machine does not know where its corner is: home it first (--home), or leave --from absolute out")
     };
     let offset = talk.board.offset_mm.filter(|_| talk.board.knows_place()).ok_or_else(unknown)?;
-    // Machine space of GRBL runs from minus the travel to 0 on every axis (limits.c).
-    let low = |axis: usize| {
+    let reach = |axis: usize| {
         let told = talk.board.settings.get(&(130 + axis as u16)).copied();
-        -told.unwrap_or(machine.controller.max_travel_mm[axis])
+        talk.board.reach_mm(axis, told.unwrap_or(machine.controller.max_travel_mm[axis]))
     };
+    let ((left, right), (front, back)) = (reach(0), reach(1));
     let (x, y) = match machine.origin {
-        Corner::FrontLeft => (low(0), low(1)),
-        Corner::FrontRight => (0.0, low(1)),
-        Corner::BackLeft => (low(0), 0.0),
-        Corner::BackRight => (0.0, 0.0),
+        Corner::FrontLeft => (left, front),
+        Corner::FrontRight => (right, front),
+        Corner::BackLeft => (left, back),
+        Corner::BackRight => (right, back),
     };
     Ok(P2::new(x - offset[0], y - offset[1]))
 }
@@ -264,7 +264,7 @@ mod tests {
         let mut settings = job::check_settings(&Library::built_in().machine("diode-400").unwrap(), None);
         settings.keep_outs = vec![("clamp".to_owned(), Rect { min: P2::new(40.0, 40.0), max: P2::new(60.0, 60.0) })];
         let way = |to: [f64; 2]| objection(P2::new(10.0, 50.0), P2::from(to), &settings);
-        assert_eq!(way([200.0, 100.0]), None);
+        assert_eq!(way([200.0, 300.0]), None);
         assert!(way([401.0, 50.0]).unwrap().contains("leaves the work area by 1.000 mm"));
         assert!(way([200.0, 50.0]).unwrap().contains("clamp"));
     }

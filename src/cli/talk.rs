@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use serde_json::json;
 
-use super::connection::{EVENT_WAIT, READY_WAIT_S, failed, machine_failure, offset, open_at, wait_until_asked};
+use super::connection::{EVENT_WAIT, READY_WAIT_S, failed, machine_failure, open_at, wait_until_asked};
 use super::{Exit, Failure};
 use crate::config::Machine;
-use crate::stream::{Board, Command, Ending, Event, Link, Status, Trouble, error_advice};
+use crate::stream::{Board, Command, Ending, Event, Link, State, Status, Trouble, error_advice};
 
 /// Reports of rest that are believed after an order was answered: the first may have been under way before.
 const REST_REPORTS: u32 = 2;
@@ -60,9 +60,15 @@ pub(super) enum Answer {
 }
 
 impl Talk {
-    /// Opens a machine's board and asks it everything. Ctrl-C leaves at once until [`Talk::on_interrupt`] says otherwise.
+    /// Opens a machine's board and asks it everything; a beam that was left on at rest is switched off. Ctrl-C leaves at once until [`Talk::on_interrupt`] says otherwise.
     pub(super) fn open(port: &str, machine: &Machine) -> Result<Talk, Failure> {
-        Talk::open_with(port, machine.controller.baud, false)
+        let mut talk = Talk::open_with(port, machine.controller.baud, false)?;
+        if machine.tool.class.is_laser() && talk.status.state == State::Idle && talk.answers.iter().any(|a| is_lit(a)) {
+            // A sender that was killed leaves a board that was not started anew as it stands: with M3 the beam burns on one place.
+            eprintln!("the board had its beam switched on: it is off now");
+            talk.insist(Command::Line("M5".to_owned()))?;
+        }
+        Ok(talk)
     }
 
     /// The same at any baud; `may_reset` allows a reset of a board that does not answer: it ends whatever that board is doing.
@@ -97,7 +103,7 @@ impl Talk {
     pub(super) fn next(&mut self, wait: Duration) -> Option<Event> {
         let (_, event) = self.link.next(wait)?;
         if let Event::Status(status, _) = &event {
-            self.board.offset_mm = offset(status).or(self.board.offset_mm);
+            self.board.seen(status);
             self.status = status.clone();
         }
         Some(event)
@@ -221,6 +227,12 @@ impl Talk {
         drop(self.link);
         std::process::exit(Exit::STOPPED)
     }
+}
+
+/// True for an answer to `$G` that has the beam commanded on: "[GC:G1 G54 G17 G21 G90 G94 M3 M9 T0 F6000 S500]".
+fn is_lit(answer: &str) -> bool {
+    let modes = answer.strip_prefix("[GC:").and_then(|rest| rest.strip_suffix(']'));
+    modes.is_some_and(|modes| modes.split(' ').any(|word| matches!(word, "M3" | "M4" | "M03" | "M04")))
 }
 
 fn lock(handling: &Mutex<Handling>) -> MutexGuard<'_, Handling> {

@@ -3,7 +3,7 @@
 use super::board::Board;
 
 /// The part of a way that stays within the machine's travel, mm, for each axis by itself. Where the board knows its place (soft limits, $20, or
-/// homed in this session), machine space runs from minus the travel ($130, $131) to 0; elsewhere only the length of the way is
+/// homed in this session), it ends at the rim of the travel ($130, $131); elsewhere only the length of the way is
 /// bounded. `from_mm` is in machine coordinates; `travel_mm` stands in for what the board does not tell.
 pub fn within_travel(board: &Board, from_mm: Option<[f64; 3]>, way_mm: [f64; 2], travel_mm: [f64; 2]) -> [f64; 2] {
     let knows_place = board.homed || board.switch(20) == Some(true);
@@ -12,8 +12,8 @@ pub fn within_travel(board: &Board, from_mm: Option<[f64; 3]>, way_mm: [f64; 2],
         match from_mm.filter(|_| knows_place) {
             // A tool that stands outside may come back and go no farther.
             Some(from_mm) => {
-                let (low, high) = ((-travel_mm - from_mm[axis]).min(0.0), (-from_mm[axis]).max(0.0));
-                way_mm[axis].clamp(low, high)
+                let (low, high) = board.reach_mm(axis, travel_mm);
+                way_mm[axis].clamp((low - from_mm[axis]).min(0.0), (high - from_mm[axis]).max(0.0))
             }
             None => way_mm[axis].clamp(-travel_mm, travel_mm),
         }

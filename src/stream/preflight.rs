@@ -170,7 +170,6 @@ fn compare_settings(board: &Board, expected: &Expected, add: &mut Add<'_>) {
     }
 }
 
-/// Machine space of GRBL runs from minus the travel to 0 on every axis, wherever the switches are (limits.c, limits_go_home).
 fn check_place(demand: &Demand, board: &Board, expected: &Expected, add: &mut Add<'_>) {
     if demand.bounds.is_empty() {
         return;
@@ -190,7 +189,8 @@ fn check_place(demand: &Demand, board: &Board, expected: &Expected, add: &mut Ad
             add(Weight::Refusal, "beyond-travel", message, None);
         } else if let Some(offset) = board.offset_mm.filter(|_| limited) {
             let (low, high) = (min[axis] + offset[axis], max[axis] + offset[axis]);
-            let over_mm = (-travel_mm - low).max(high);
+            let reach_mm = board.reach_mm(axis, travel_mm);
+            let over_mm = (reach_mm.0 - low).max(high - reach_mm.1);
             if over_mm > tolerance::LIMIT_SLACK_MM {
                 let message = format!(
                     "with work zero at machine {name}{:.3} the job leaves the travel by {over_mm:.1} mm along {name}: move the work zero",
@@ -274,6 +274,17 @@ mod tests {
         setup.0.settings.extend([(20, 0.0), (22, 0.0)]);
         assert_eq!(codes(&demand(JOB), None, &setup), ["zeroed-by-hand"]);
         assert_eq!(codes(&demand("G21G90G0X0Y0\nG0X401\n"), None, &setup), ["beyond-travel", "zeroed-by-hand"]);
+    }
+
+    #[test]
+    fn a_machine_that_counts_up_from_its_switches_has_its_travel_above_them() {
+        let mut setup = good();
+        setup.0.settings.extend([(22, 43.0), (23, 3.0)]);
+        setup.0.offset_mm = Some([0.0; 3]);
+        assert!(codes(&demand(JOB), None, &setup).is_empty());
+        setup.0.offset_mm = Some([-20.0, 0.0, 0.0]);
+        let findings = preflight(&demand(JOB), None, &setup.0, &setup.1);
+        assert!(findings[0].message.contains("leaves the travel by 20.0 mm along X"), "{findings:?}");
     }
 
     #[test]

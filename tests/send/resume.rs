@@ -170,3 +170,46 @@ fn a_board_that_is_unplugged_and_comes_back_as_another_device_is_found_and_the_j
     let (code, stdout, stderr) = run(&scratch, &["resume", "--yes", "--home"]);
     assert_eq!(code, 0, "{stdout}{stderr}");
 }
+
+#[test]
+fn a_beam_that_was_left_on_at_rest_is_switched_off_before_anything_is_asked() {
+    let (scratch, socket) =
+        (Scratch::new(), Socket::new(BoardSettings { resets_on_open: false, ..BoardSettings::default() }));
+    scratch.write("rows.nc", &rows(2).replace("machine: diode-400", "machine: k40"));
+    socket.told(&["M3S500", "G1X2F6000", "G4P0.01"]);
+    assert!(!socket.is_dark_now(), "lit where it stands");
+    let send = ["send", "rows.nc", "--yes", "-m", "diode-400", "--port", socket.port.as_str()];
+    let (code, _, stderr) = run(&scratch, &send);
+    assert!(code == 1 && stderr.contains("made for k40") && stderr.contains("it is off now"), "{stderr}");
+    assert!(socket.is_dark_now());
+}
+
+#[test]
+fn what_is_left_of_a_set_and_what_is_not_left_of_a_job_is_told() {
+    let (scratch, socket) = (Scratch::new(), Socket::new(homing()));
+    scratch.write("rows.nc", &rows(30).replace("1/1", "2/5"));
+    let running = cutting(&scratch, &socket.port, &["--home"]);
+    running.signal("INT");
+    assert_eq!(running.ends().0, 130);
+    let (code, stdout, stderr) = run(&scratch, &["resume", "--yes", "--home"]);
+    let rest = format!("furbelow send . --from-sheet 3 -m diode-400 --port {}", socket.port);
+    assert!(code == 0 && stdout.contains(&rest) && stdout.contains("sheet 2 of 5"), "{stdout}{stderr}");
+
+    // Stopped in the way home, after the last cut.
+    scratch.write("rows.nc", &rows(2).replace("G0X0Y0\n", "G1X0Y0F100\n"));
+    let running = cutting_beyond(11, &scratch, &socket.port, &["--home"]);
+    running.signal("INT");
+    let (code, told) = running.ends();
+    assert_eq!(code, 130, "{told}");
+    let (code, stdout, stderr) = run(&scratch, &["resume", "--yes", "--home"]);
+    assert!(code == 0 && stdout.contains("all its cuts are surely carried out"), "{stdout}{stderr}");
+    // The same of a job in which something went wrong.
+    let log = scratch.path("config").join("jobs/0003/log");
+    let notes = fs::read_to_string(&log)
+        .expect("a log")
+        .replace("\"mark\":\"stopped\"", "\"damaged\":true,\"mark\":\"failed\"");
+    fs::write(&log, notes).expect("written");
+    let (code, stdout, stderr) = run(&scratch, &["resume", "3", "--yes", "--home", "--although-damaged", "--json"]);
+    let end = stdout.lines().last().expect("an end");
+    assert!(code == 0 && end.contains("look at the sheet") && !end.contains("all is cut"), "{stdout}{stderr}");
+}

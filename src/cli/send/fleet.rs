@@ -375,7 +375,7 @@ impl Served {
     fn heed(&mut self, wait: Duration) -> Result<bool, Failure> {
         match self.link.next(wait) {
             Some((_, Event::Status(status, _))) => {
-                self.board.offset_mm = connection::offset(&status).or(self.board.offset_mm);
+                self.board.seen(&status);
                 self.status = status;
                 Ok(true)
             }

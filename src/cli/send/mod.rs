@@ -105,18 +105,18 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let machine = at.machine()?;
     let mut teller = Teller::new(args.json, machine.controller.max_s);
     let sent = send(args, at, machine, &mut teller);
-    tell_end(sent, &teller)
+    tell_end(sent, "all is cut", &teller)
 }
 
-/// Tells how it ended, and makes the exit code say the same.
-fn tell_end(sent: Result<Outcome, Failure>, teller: &Teller) -> Result<(), Failure> {
+/// Tells how it ended, with these words when it is `done`, and makes the exit code say the same.
+fn tell_end(sent: Result<Outcome, Failure>, done: &str, teller: &Teller) -> Result<(), Failure> {
     let sent = sent.map_err(|failure| match failure.is_broken_pipe() {
         // For what only prints that is the end; a job that was broken off must not look like success.
         true => super::connection::failed("nobody reads what is told any more: the job was stopped"),
         false => failure,
     });
     match sent {
-        Ok(Outcome::Done) => teller.over("done", "all is cut"),
+        Ok(Outcome::Done) => teller.over("done", done),
         Ok(Outcome::Stopped) => {
             // Nobody may be listening, and the exit code says the same.
             let _ = teller.over("stopped", "stopped on request");

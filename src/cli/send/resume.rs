@@ -5,7 +5,7 @@
 
 use std::fs::File;
 use std::io::{BufReader, IsTerminal};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::super::connection::{Where, refused};
 use super::super::keyboard::Keyboard;
@@ -18,7 +18,7 @@ use super::{Sending, setup, tell_end};
 use crate::config::Machine;
 use crate::gcode::{self, Restart, restart};
 use crate::geom::{P2, P3, Similarity, V2};
-use crate::stream::{Outcome, Progress, Reached, Record, Standing};
+use crate::stream::{Head, Outcome, Progress, Reached, Record, Standing};
 
 /// A head this near to where it was last seen has not been moved, mm: half a step of a coarse machine and three decimals.
 const SAME_PLACE_MM: f64 = 0.05;
@@ -95,8 +95,14 @@ pub(in crate::cli) fn run(args: &Args) -> Result<(), Failure> {
         anyway: record.head.anyway,
         json: args.json,
     };
+    let done = match record.standing {
+        Standing::Damaged => {
+            "nothing is left to cut; what was cut before may be something else than was planned: look at the sheet"
+        }
+        _ => "all is cut",
+    };
     let sent = resume(args, &sending_args, &at, machine, record, &mut teller);
-    tell_end(sent, &teller)
+    tell_end(sent, done, &teller)
 }
 
 /// The job that is asked for, if it can be gone on with.
@@ -148,7 +154,14 @@ fn resume(
     let program = Program::read(&path, record.head.name.clone(), &anywhere(&machine), |_| ())?;
     let Some(from) = place_to_go_on(args, &record)? else {
         record.finished()?;
-        teller.say(&format!("nothing is left to cut of job {}", record.number));
+        let doubt = match record.standing {
+            Standing::Damaged => {
+                ", but something else may have been cut than was planned: look at the sheet before you take it off"
+            }
+            _ => ": all its cuts are surely carried out",
+        };
+        teller.note("nothing-left", &format!("nothing is left to cut of job {}{doubt}", record.number))?;
+        tell_rest(&record.head, at, teller)?;
         return Ok(Outcome::Done);
     };
     let programs = vec![program];
@@ -181,7 +194,27 @@ fn resume(
     if !sending.sheet_is_there()? {
         return Ok(Outcome::Stopped);
     }
-    sending.go()
+    let outcome = sending.go()?;
+    if let Some(record) = sending.resumes.as_ref().filter(|_| outcome == Outcome::Done) {
+        tell_rest(&record.head, at, sending.teller)?;
+    }
+    Ok(outcome)
+}
+
+/// Says how the sheets after this one are sent.
+fn tell_rest(head: &Head, at: &Where, teller: &Teller) -> Result<(), Failure> {
+    rest_of_set(head, at).map_or(Ok(()), |command| teller.note("rest", &format!("the sheets after it: {command}")))
+}
+
+/// The command for what comes after a sheet of a set; `None` after the last.
+fn rest_of_set(head: &Head, at: &Where) -> Option<String> {
+    let (number, of) = head.sheet;
+    let folder = Path::new(&head.name).parent().filter(|_| number < of)?;
+    // A folder that `make` wrote holds its programs in one of its own.
+    let folder = if folder.ends_with("sheets") { folder.parent()? } else { folder };
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let Where { machine, port } = at;
+    Some(format!("furbelow send {} --from-sheet {} -m {machine} --port {port}", folder.display(), number + 1))
 }
 
 /// Says what is known.
@@ -276,5 +309,25 @@ impl Sending<'_> {
         }
         let question = "is the sheet still where it was, and the head where it should be? Enter goes on; if not, Ctrl-C, and resume with --align";
         Ok(self.ask(question)?.is_some())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stream::Board;
+
+    #[test]
+    fn the_rest_of_a_set_is_a_command() {
+        let at = Where { machine: "diode-400".to_owned(), port: "/dev/ttyUSB0".to_owned() };
+        let rest = |name: &str, sheet: (usize, usize)| {
+            rest_of_set(&Head { sheet, ..Head::new(name, "diode-400", "", &Board::default()) }, &at)
+        };
+        let command = |folder: &str| format!("furbelow send {folder} --from-sheet 3 -m diode-400 --port /dev/ttyUSB0");
+        assert_eq!(rest("out/stool/sheets/sheet-02.nc", (2, 5)), Some(command("out/stool")));
+        assert_eq!(rest("sheets/2.nc", (2, 3)), Some(command(".")));
+        assert_eq!(rest("mine/2.nc", (2, 3)), Some(command("mine")));
+        assert_eq!(rest("2.nc", (2, 3)), Some(command(".")));
+        assert_eq!(rest("out/stool/sheets/sheet-05.nc", (5, 5)), None);
     }
 }

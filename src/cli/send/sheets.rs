@@ -33,6 +33,9 @@ impl Sending<'_> {
 
     /// Which sheet a program is and of how many.
     pub(super) fn place(&self, k: usize) -> (usize, usize) {
+        if let Some(record) = &self.resumes {
+            return record.head.sheet;
+        }
         let before = self.args.from_sheet - 1;
         self.programs[k].place((before + k + 1, before + self.programs.len()))
     }
