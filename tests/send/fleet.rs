@@ -43,7 +43,7 @@ fn several_machines_share_the_sheets_and_one_that_fails_holds_no_other_up() {
 fn a_board_that_starts_anew_between_two_sheets_is_sent_no_more() {
     let (scratch, socket) = (two_sheets(&rows(3)), Socket::new(BoardSettings::default()));
     let member = format!("diode-400@{}", socket.port);
-    let send = ["send", "job", "--yes", "--pause-s", "3", "--machines", &member];
+    let send = ["send", "job", "--yes", "--pause-s", "1", "--machines", &member];
     let mut running = Running::unattended(&scratch, &send);
     running.wait_for("sheet-02.nc");
     socket.strike(When::At(0.0), Fault::Reset);
