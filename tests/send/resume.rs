@@ -203,11 +203,17 @@ fn what_is_left_of_a_set_and_what_is_not_left_of_a_job_is_told() {
     assert_eq!(code, 130, "{told}");
     let (code, stdout, stderr) = run(&scratch, &["resume", "--yes", "--home"]);
     assert!(code == 0 && stdout.contains("all its cuts are surely carried out"), "{stdout}{stderr}");
+    let picture = scratch.path("left.png");
+    let (code, shown, stderr) = run(&scratch, &["jobs", "show", "3", "--picture", "left.png"]);
+    assert!(code == 0 && shown.contains("done"), "{shown}{stderr}");
+    assert!(fs::read(picture).is_ok_and(|bytes| bytes.starts_with(b"\x89PNG")));
+    let (code, _, stderr) = run(&scratch, &["jobs", "show", "3", "--picture", "left.html"]);
+    assert!(code == 2 && stderr.contains(".png or .svg"), "{stderr}");
     // The same of a job in which something went wrong.
     let log = scratch.path("config").join("jobs/0003/log");
-    let notes = fs::read_to_string(&log)
-        .expect("a log")
-        .replace("\"mark\":\"stopped\"", "\"damaged\":true,\"mark\":\"failed\"");
+    let notes = fs::read_to_string(&log).expect("a log");
+    let before: Vec<&str> = notes.lines().filter(|note| !note.contains("\"mark\":\"done\"")).collect();
+    let notes = before.join("\n").replace("\"mark\":\"stopped\"", "\"damaged\":true,\"mark\":\"failed\"") + "\n";
     fs::write(&log, notes).expect("written");
     let (code, stdout, stderr) = run(&scratch, &["resume", "3", "--yes", "--home", "--although-damaged", "--json"]);
     let end = stdout.lines().last().expect("an end");
