@@ -23,7 +23,7 @@ pub(super) struct Placing {
     from: From,
     /// Lay the job so that its two alignment crosses meet those on the sheet: for a sheet that moved, one that was printed on or cut before, or its
     /// second tool. X1,Y1,X2,Y2 are where they are, in work coordinates; without them the head is moved onto them
-    #[arg(long, value_name = "X1,Y1,X2,Y2", num_args = 0..=1, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X1,Y1,X2,Y2", num_args = 0..=1, require_equals = true)]
     align: Option<Option<Crosses>>,
 }
 
@@ -178,7 +178,7 @@ fn by_hand(
     keyboard: Option<&Keyboard>,
 ) -> Result<Option<[P2; 2]>, Failure> {
     let nobody =
-        || Failure::config("nobody is there to move the head onto the crosses; give their places: --align X1,Y1,X2,Y2");
+        || Failure::config("nobody is there to move the head onto the crosses; give their places: --align=X1,Y1,X2,Y2");
     let keyboard = keyboard.ok_or_else(nobody)?;
     let mut found = [P2::origin(); 2];
     for (k, name) in ["first", "second"].into_iter().enumerate() {

@@ -93,7 +93,7 @@ fn each_sheet_is_laid_by_its_own_crosses_when_it_lies_on_the_bed() {
         scratch.write(&format!("job/sheets/sheet-{sheet:02}.nc"), &rows(2).replace("1/1", &format!("{sheet}/2")));
     }
     let send = ["send", "job", "--yes", "--home", "-m", "diode-400", "--port", socket.port.as_str()];
-    let (code, _, stderr) = run(&scratch, &[&send, ["--pause-s", "0", "--align", "8,6,98,6"].as_slice()].concat());
+    let (code, _, stderr) = run(&scratch, &[&send, ["--pause-s", "0", "--align=8,6,98,6"].as_slice()].concat());
     assert!(code == 2 && stderr.contains("send them one by one"), "{stderr}");
     let mut running = Running::at_a_terminal(&scratch, &[&send, ["--align"].as_slice()].concat());
     running.wait_for("onto the first cross");

@@ -81,7 +81,7 @@ fn without_switches_a_job_goes_on_only_by_its_crosses_or_a_new_zero() {
     // The board takes where its head stands for zero since its port was opened.
     let stands = socket.real_mm();
     let places = [(5.0, 2.0), (95.0, 2.0)].map(|(x, y)| format!("{:.3},{:.3}", x - stands.x, y - stands.y)).join(",");
-    let (code, stdout, stderr) = run(&scratch, &["resume", "--yes", "--at", "point", "--align", &places]);
+    let (code, stdout, stderr) = run(&scratch, &["resume", "--yes", "--at", "point", &format!("--align={places}")]);
     assert_eq!(code, 0, "{stdout}{stderr}");
     let twice_mm = socket.burnt_mm() - whole_mm(30);
     assert!((twice_mm - 0.5).abs() < 0.1, "{twice_mm} mm twice");
@@ -122,14 +122,14 @@ fn a_job_is_laid_by_its_crosses_where_the_head_stands_or_not_at_all() {
     let at = ["--yes", "--home", "-m", "diode-400", "--port", &socket.port];
     let send = |more: &[&str]| run(&scratch, &[["send"].as_slice(), more, &at].concat());
     // Crosses found 3 mm to the right and 4 mm up, and half a millimetre farther apart than they may be.
-    let (code, _, stderr) = send(&["rows.nc", "--align", "8,6,98.5,6"]);
+    let (code, _, stderr) = send(&["rows.nc", "--align=8,6,98.5,6"]);
     assert!(code == 1 && stderr.contains("90.50 mm apart on the sheet and 90.00 mm in the job"), "{stderr}");
-    let (code, _, stderr) = send(&["plain.nc", "--align", "8,6,98,6"]);
+    let (code, _, stderr) = send(&["plain.nc", "--align=8,6,98,6"]);
     assert!(code == 1 && stderr.contains("no alignment crosses"), "{stderr}");
-    let (code, _, stderr) = send(&["rows.nc", "--align", "390,6,480,6"]);
+    let (code, _, stderr) = send(&["rows.nc", "--align=390,6,480,6"]);
     assert!(code == 1 && stderr.contains("must not be sent"), "its limits are checked again: {stderr}");
     assert_eq!(socket.burnt_mm(), 0.0);
-    let (code, _, stderr) = send(&["rows.nc", "--align", "8,6,98,6"]);
+    let (code, _, stderr) = send(&["rows.nc", "--align=8,6,98,6"]);
     assert!(code == 0 && stderr.contains("X3.000 Y4.000, turned 0.000 degrees, at 100.000 %"), "{stderr}");
     let (low, high) = socket.lit_bounds();
     let expected = [(low.x, 13.0), (low.y, 9.0), (high.x, 93.0), (high.y, 11.0)];
@@ -141,7 +141,7 @@ fn a_job_is_laid_by_its_crosses_where_the_head_stands_or_not_at_all() {
     let (low, _) = socket.lit_bounds();
     assert!((low.x + 390.0).abs() < 0.01 && socket.burnt_mm() > before + 200.0, "{low}");
     let frame = ["frame", "rows.nc", "-m", "diode-400", "--port", "emulator:50x", "--json"];
-    let (code, stdout, _) = run(&scratch, &[frame.as_slice(), &["--align", "8,6,98,6"]].concat());
+    let (code, stdout, _) = run(&scratch, &[frame.as_slice(), &["--align=8,6,98,6"]].concat());
     let framed: Value = serde_json::from_str(&stdout).expect("JSON");
     assert_eq!((code, framed["bounds_mm"].to_string().as_str()), (0, "[13.0,9.0,93.0,11.0]"));
     let (code, _, stderr) = run(&scratch, &[frame.as_slice(), &["--from", "absolute"]].concat());

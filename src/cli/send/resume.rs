@@ -47,7 +47,7 @@ pub struct Args {
     #[arg(long)]
     zero: bool,
     /// Find the sheet by the job's two alignment crosses, at X1,Y1,X2,Y2 in work coordinates; without them the head is moved onto them
-    #[arg(long, value_name = "X1,Y1,X2,Y2", num_args = 0..=1, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X1,Y1,X2,Y2", num_args = 0..=1, require_equals = true)]
     align: Option<Option<String>>,
     /// Go on although something else may have been cut than was planned
     #[arg(long)]
