@@ -110,7 +110,7 @@ fn square() -> Frame {
 
 fn traced(beam_s: f64) -> Bench {
     let mut bench = Bench::new(BoardSettings::default());
-    bench.run(square().lines(Tracing { feed_mm_per_min: 3000.0, beam_s }));
+    bench.run(square().lines(Tracing { feed_mm_per_min: 3000.0, beam_s, up_mm: None }));
     assert_eq!(bench.end(60.0).outcome, Outcome::Done);
     bench
 }
@@ -145,7 +145,7 @@ fn a_shown_border_is_never_lit_at_rest_nor_brighter_than_asked_nor_on_the_way_th
 #[test]
 fn a_shown_border_that_is_stopped_darkens_and_keeps_the_place() {
     let mut bench = Bench::new(BoardSettings::default());
-    bench.run(square().lines(Tracing { feed_mm_per_min: 1000.0, beam_s: 10.0 }));
+    bench.run(square().lines(Tracing { feed_mm_per_min: 1000.0, beam_s: 10.0, up_mm: None }));
     assert!(bench.until(20.0, |b| b.board.power() > 0.0));
     bench.command(Command::Stop);
     let asked_s = bench.now_s;

@@ -150,7 +150,7 @@ fn tracing(args: &Args, machine: &Machine) -> Result<Tracing, Failure> {
     };
     // Rounded down: never brighter than allowed.
     let beam_s = (share * machine.controller.max_s * 1e3).floor() / 1e3;
-    Ok(Tracing { feed_mm_per_min, beam_s })
+    Ok(Tracing { feed_mm_per_min, beam_s, up_mm: machine.up_mm() })
 }
 
 /// The share of full power the beam may have, or why it may not.

@@ -28,6 +28,8 @@ pub struct Tracing {
     pub feed_mm_per_min: f64,
     /// S word of the beam while it moves; 0 for a dark one.
     pub beam_s: f64,
+    /// Where a tool with a height is lifted to first, mm in work coordinates; `None` for one without.
+    pub up_mm: Option<f64>,
 }
 
 impl Extent {
@@ -96,8 +98,7 @@ impl Frame {
     /// in which a board in laser mode ($32=1) keeps it off at rest.
     pub fn lines(&self, tracing: Tracing) -> Vec<String> {
         let Some(first) = self.corners.first() else { return Vec::new() };
-        let mut lines: Vec<String> = ["G21G90G94G17G54", "M5S0"].map(str::to_owned).to_vec();
-        lines.push(format!("G0X{:.3}Y{:.3}", first.x, first.y));
+        let mut lines = Frame::way_to([first.x, first.y], tracing.up_mm);
         if tracing.beam_s > 0.0 {
             lines.push(format!("M4S{}", tracing.beam_s));
         }
@@ -167,13 +168,16 @@ mod tests {
         let ends: Vec<[f64; 3]> = moves.iter().map(|m| m.to.into()).collect();
         assert_eq!(ends, [[0.0, 0.0, 3.0], [5.0, 6.0, 3.0]]);
         assert!(!Frame::way_to([5.0, 6.0], None).concat().contains('Z'));
+        let frame = extent("G21G90M4S500F900\nG0X10Y10\nG1X40\nY30\n").hull().unwrap();
+        let lines = frame.lines(Tracing { feed_mm_per_min: 3000.0, beam_s: 0.0, up_mm: Some(3.0) });
+        assert_eq!(trace(&parse(&lines.join("\n")).unwrap()).unwrap()[0].to, crate::geom::P3::new(0.0, 0.0, 3.0));
     }
 
     #[test]
     fn without_power_no_line_lights_the_beam_and_with_power_only_m4_does() {
         let frame = extent("G21G90M4S500F900\nG0X10Y10\nG1X40\nY30\n").hull().unwrap();
         for (beam_s, lit) in [(0.0, 0), (10.0, 3)] {
-            let text = frame.lines(Tracing { feed_mm_per_min: 3000.0, beam_s }).join("\n");
+            let text = frame.lines(Tracing { feed_mm_per_min: 3000.0, beam_s, up_mm: None }).join("\n");
             let moves = trace(&parse(&text).unwrap()).unwrap();
             assert_eq!(moves.iter().filter(|m| m.burns()).count(), lit);
             assert!(moves.iter().all(|m| m.power_s <= beam_s && m.beam != crate::gcode::Beam::Constant));
