@@ -62,7 +62,7 @@ fn parts(m: &Move, before_mm: f64, come: Come) -> Vec<SheetMove> {
     const SURE: usize = 2;
     const DOUBT: usize = 3;
     let whole = |pen| vec![SheetMove { points: flattened(m), pen }];
-    // Something of the line in which the head was last seen may be done, if it was only sent.
+    // What was sent may be done, seen or not.
     let rest = if m.line <= come.maybe { DOUBT } else { LEFT };
     if m.line < come.line {
         return whole(SURE);

@@ -143,7 +143,7 @@ impl Rig {
         self.act(actions);
     }
 
-    /// Begins to send a program that ends where it says.
+    /// Begins to send a program.
     pub fn send(&mut self, text: &str) {
         let lines: Vec<String> = text.lines().map(str::to_owned).collect();
         let lines = Box::new(lines.into_iter().map(Ok));
